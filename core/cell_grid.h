@@ -1,0 +1,111 @@
+// Fixed-radius neighbour search: a uniform grid whose cells list their points contiguously (a sorted cell list).
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <span>
+#include <vector>
+
+#include "core/parallel.h"
+#include "core/types.h"
+
+namespace kappaflow {
+
+/// Sorts points by the cell that holds them. After build(), the k-th point in cell order is points[order()[k]];
+/// callers copy their data into that order and then read the contiguous ranges that ranges_near() visits.
+/// Within a cell the points keep the order in which they came, so the result does not depend on the threads.
+class CellGrid {
+ public:
+  /// Points: any range whose element p has p[0], p[1], p[2] [m], all finite. cell_size > 0 [m]; it is doubled until
+  /// the grid has at most 64 cells a point, so one particle that flies off costs speed and not memory.
+  template <class Point>
+  void build(std::span<const Point> points, double cell_size);
+
+  std::span<const std::uint32_t> order() const { return order_; }
+
+  /// Calls visit(begin, end) for runs [begin, end) of cell order that together hold every point within `radius` of x
+  /// (and others). At most (2 radius / cell size + 2)^2 runs.
+  template <class Point, class Visit>
+  void ranges_near(const Point& x, double radius, const Visit& visit) const;
+
+ private:
+  static constexpr std::size_t kMinCells = std::size_t{1} << 16;
+  static constexpr std::size_t kCellsPerPoint = 64;
+
+  void set_bounds(const Vec3& lower, const Vec3& upper, double cell_size, std::size_t points);
+  int clamped_cell(double x, int axis) const {
+    const double cell = std::floor((x - lower_[axis]) * inverse_cell_size_);
+    return static_cast<int>(std::clamp(cell, -1.0, static_cast<double>(dims_[axis])));
+  }
+
+  Vec3 lower_ = Vec3::Zero();
+  double inverse_cell_size_ = 1;
+  std::array<int, 3> dims_{0, 0, 0};
+  std::vector<std::uint32_t> cell_start_;  // cells + 1 entries; cell index x-fastest
+  std::vector<std::uint32_t> order_;
+  std::vector<std::uint32_t> cell_of_;  // kept between builds so that a step allocates nothing
+};
+
+inline void CellGrid::set_bounds(const Vec3& lower, const Vec3& upper, double cell_size, std::size_t points) {
+  const double limit = static_cast<double>(std::max(kMinCells, kCellsPerPoint * points));
+  lower_ = lower;
+  for (double size = cell_size;; size *= 2) {
+    inverse_cell_size_ = 1 / size;
+    const Vec3 extent = ((upper - lower) * inverse_cell_size_).array().floor() + 1;
+    if (extent.prod() > limit) continue;
+    for (int a = 0; a < 3; ++a) dims_[a] = static_cast<int>(extent[a]);
+    return;
+  }
+}
+
+template <class Point>
+void CellGrid::build(std::span<const Point> points, double cell_size) {
+  const std::size_t n = points.size();
+  Vec3 lower = Vec3::Zero(), upper = Vec3::Zero();
+  if (n > 0) lower = upper = Vec3(points[0][0], points[0][1], points[0][2]);
+  for (const Point& p : points)
+    for (int a = 0; a < 3; ++a) {
+      lower[a] = std::min(lower[a], static_cast<double>(p[a]));
+      upper[a] = std::max(upper[a], static_cast<double>(p[a]));
+    }
+  set_bounds(lower, upper, cell_size, n);
+
+  cell_of_.resize(n);
+  parallel_for(n, [&](std::size_t i) {
+    std::array<int, 3> c;
+    for (int a = 0; a < 3; ++a)
+      c[a] = std::clamp(clamped_cell(static_cast<double>(points[i][a]), a), 0, dims_[a] - 1);
+    cell_of_[i] = static_cast<std::uint32_t>((static_cast<std::size_t>(c[2]) * dims_[1] + c[1]) * dims_[0] + c[0]);
+  });
+
+  const std::size_t cells = static_cast<std::size_t>(dims_[0]) * dims_[1] * dims_[2];
+  cell_start_.assign(cells + 1, 0);
+  for (const std::uint32_t cell : cell_of_) ++cell_start_[cell + 1];
+  std::partial_sum(cell_start_.begin(), cell_start_.end(), cell_start_.begin());
+  order_.resize(n);
+  for (std::size_t i = 0; i < n; ++i) order_[cell_start_[cell_of_[i]]++] = static_cast<std::uint32_t>(i);
+  // Filling moved each start to its cell's end, which is the next cell's start: shift back.
+  std::rotate(cell_start_.begin(), cell_start_.end() - 1, cell_start_.end());
+  cell_start_[0] = 0;
+}
+
+template <class Point, class Visit>
+void CellGrid::ranges_near(const Point& x, double radius, const Visit& visit) const {
+  if (order_.empty()) return;
+  std::array<int, 3> first, last;
+  for (int a = 0; a < 3; ++a) {
+    first[a] = std::max(clamped_cell(static_cast<double>(x[a]) - radius, a), 0);
+    last[a] = std::min(clamped_cell(static_cast<double>(x[a]) + radius, a), dims_[a] - 1);
+    if (first[a] > last[a]) return;
+  }
+  for (int cz = first[2]; cz <= last[2]; ++cz)
+    for (int cy = first[1]; cy <= last[1]; ++cy) {
+      const std::size_t row = (static_cast<std::size_t>(cz) * dims_[1] + cy) * dims_[0];
+      const std::uint32_t begin = cell_start_[row + first[0]], end = cell_start_[row + last[0] + 1];
+      if (begin != end) visit(begin, end);
+    }
+}
+
+}  // namespace kappaflow

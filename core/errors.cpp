@@ -1,0 +1,33 @@
+#include "core/errors.h"
+
+#include <fmt/format.h>
+
+namespace kappaflow {
+namespace {
+
+std::string located(const SourcePosition& where, const std::string& message) {
+  if (where.line <= 0) return fmt::format("{}: {}", where.file, message);
+  if (where.column <= 0) return fmt::format("{}:{}: {}", where.file, where.line, message);
+  return fmt::format("{}:{}:{}: {}", where.file, where.line, where.column, message);
+}
+
+std::string at_particle(std::int64_t particle) {
+  return particle < 0 ? std::string() : fmt::format(", particle {}", particle);
+}
+
+}  // namespace
+
+InvalidInput::InvalidInput(const SourcePosition& where, const std::string& message)
+    : Error(located(where, message), 2) {}
+
+SolverFailure::SolverFailure(double time, std::int64_t particle, const std::string& message)
+    : Error(fmt::format("the simulation failed at t = {:.6g} s{}: {}", time, at_particle(particle), message), 3) {}
+
+TopologyError::TopologyError(const Vec3& position, const std::string& message)
+    : Error(fmt::format("mesh at ({:.6g}, {:.6g}, {:.6g}): {}", position.x(), position.y(), position.z(), message),
+            4) {}
+
+IoError::IoError(const std::string& path, const std::string& message)
+    : Error(fmt::format("{}: {}", path, message), 5) {}
+
+}  // namespace kappaflow

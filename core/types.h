@@ -1,0 +1,31 @@
+// Vector types, and the one place that says which precision is used where.
+//
+// The SPH particles live in single precision: their equations need about five digits, and the hot loops are
+// bound by memory. Everything about the surface is double: the curvature rates of Eqs. 7-8 contain third
+// derivatives of f, which cancel heavily.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace kappaflow {
+
+using Vec2 = Eigen::Vector2d;
+using Vec3 = Eigen::Vector3d;
+using Mat3 = Eigen::Matrix3d;
+
+/// A 3-vector of an SPH particle, padded to one 16-byte SIMD register; the fourth component is 0 unless stated.
+using Vec4f = Eigen::Vector4f;
+
+/// Three vertex indices, counter-clockwise seen from outside.
+using Triangle = std::array<int, 3>;
+
+/// An indexed triangle surface without attributes, e.g. a solid boundary [m]. Closed surfaces are oriented outward.
+struct TriangleSurface {
+  std::vector<Vec3> vertices;
+  std::vector<Triangle> triangles;
+};
+
+}  // namespace kappaflow

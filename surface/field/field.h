@@ -1,0 +1,60 @@
+// What the tracker and the velocity methods know of a field: a jet at (x, t), a length scale, and nothing else.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "surface/field/jet.h"
+
+namespace kappaflow {
+
+/// An axis-aligned box [m]; empty when lower > upper.
+struct Bounds {
+  Vec3 lower = Vec3::Constant(1);
+  Vec3 upper = Vec3::Constant(-1);
+  bool empty() const { return (lower.array() > upper.array()).any(); }
+};
+
+/// Values of f on a regular lattice: point (i, j, k) is origin + spacing (i, j, k), index x-fastest.
+struct SampledField {
+  Vec3 origin = Vec3::Zero();
+  double spacing = 0;
+  std::array<int, 3> dims{0, 0, 0};
+  std::vector<float> value;
+};
+
+/// An implicit surface f(x) = 0 at one instant, f > 0 inside. Const methods may be called from many threads.
+class Field {
+ public:
+  virtual ~Field() = default;
+
+  virtual double time() const = 0;  ///< [s]
+  virtual Jet jet(const Vec3& x) const = 0;
+  virtual ValueAndGradient value_and_gradient(const Vec3& x) const = 0;
+
+  /// A box outside of which f < 0.
+  virtual Bounds bounds() const = 0;
+  /// The smallest length on which the field varies (for particles the smallest sigma) [m]; scales steps and tolerances.
+  virtual double length_scale() const = 0;
+  /// The largest speed of anything that makes the field [m/s].
+  virtual double fastest_speed() const = 0;
+
+  /// Velocity of the material at x [m/s], where the field knows one; nullopt where it does not.
+  virtual std::optional<Vec3> material_velocity(const Vec3& /*x*/) const { return std::nullopt; }
+
+  /// Fills `samples.value` from its lattice. The default evaluates f point by point, in parallel.
+  virtual void sample(SampledField& samples) const;
+};
+
+/// A field that moves through one time step. at() is not thread-safe; the returned field is.
+class FieldMotion {
+ public:
+  virtual ~FieldMotion() = default;
+  virtual double t0() const = 0;  ///< start of the step [s]
+  virtual double t1() const = 0;  ///< end of the step [s]
+  /// The field at time t in [t0, t1]. Several trackers that ask for the same t share one field.
+  virtual std::shared_ptr<const Field> at(double t) = 0;
+};
+
+}  // namespace kappaflow

@@ -1,0 +1,58 @@
+// The field of Eq. 12: f(x,t) = sum_i w_i (1 - |x - x_i|^2/sigma^2)^3 - T over particles within sigma.
+#pragma once
+
+#include <span>
+
+#include "core/cell_grid.h"
+#include "core/particles.h"
+#include "surface/field/field.h"
+
+namespace kappaflow {
+
+/// How the weights w_i of Eq. 12 are chosen.
+enum class WeightRule {
+  uniform,     ///< w_i = 1
+  normalised,  ///< w_i = 1 / sum_j (1 - r_ij^2)^3, self included: about 1 inside, and 1 for a lone particle
+};
+
+/// Particles with everything Eq. 12 needs, at one instant; one entry a particle in every array.
+struct FieldParticles {
+  std::vector<Vec3> position;       ///< x_i [m]
+  std::vector<Vec3> velocity;       ///< v_i [m/s]
+  std::vector<double> sigma;        ///< support radius [m], > 0
+  std::vector<double> weight;       ///< w_i [-]
+  std::vector<double> weight_rate;  ///< dw_i/dt [1/s]
+};
+
+/// Eq. 12 at one instant, with its analytic jet.
+class ParticleField final : public Field {
+ public:
+  /// threshold: T [-]. Throws InvalidInput when arrays differ in length or a sigma is not positive.
+  ParticleField(FieldParticles particles, double threshold, double time);
+
+  double time() const override { return time_; }
+  double threshold() const { return threshold_; }
+  Jet jet(const Vec3& x) const override;
+  ValueAndGradient value_and_gradient(const Vec3& x) const override;
+  Bounds bounds() const override;
+  double length_scale() const override { return smallest_sigma_; }
+  double fastest_speed() const override { return fastest_speed_; }
+  std::optional<Vec3> material_velocity(const Vec3& x) const override;
+  void sample(SampledField& samples) const override;
+
+ private:
+  FieldParticles particles_;  // in the grid's cell order
+  CellGrid grid_;
+  double threshold_;
+  double time_;
+  double largest_sigma_ = 0, smallest_sigma_ = 0, fastest_speed_ = 0;
+};
+
+/// Weights by `rule` for particles at `position` with one support radius sigma [m].
+std::vector<double> field_weights(std::span<const Vec3> position, double sigma, WeightRule rule);
+
+/// Half the median over the particles of sum_j w_j (1 - r_ij^2)^3: the threshold that puts a flat surface in the
+/// right place. Throws InvalidInput without particles.
+double half_median_threshold(std::span<const Vec3> position, std::span<const double> weight, double sigma);
+
+}  // namespace kappaflow

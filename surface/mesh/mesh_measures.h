@@ -1,0 +1,43 @@
+// Numbers about a mesh: area, volume, triangle quality, topology.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "surface/mesh/triangle_mesh.h"
+
+namespace kappaflow {
+
+/// A third of the area of the triangles around each vertex [m2]; the sum is the mesh's area.
+std::vector<double> vertex_areas(std::span<const Vec3> position, std::span<const Triangle> triangles);
+
+/// Area [m2] and signed enclosed volume [m3], positive when oriented outward.
+struct AreaAndVolume {
+  double area = 0;
+  double volume = 0;
+};
+AreaAndVolume area_and_volume(std::span<const Vec3> position, std::span<const Triangle> triangles);
+
+/// 2 inradius / circumradius = 8 (s-a)(s-b)(s-c) / (abc) in [0, 1]; 1 for an equilateral triangle, 0 for a degenerate one.
+double triangle_quality(const Vec3& a, const Vec3& b, const Vec3& c);
+
+struct QualityRange {
+  double min = 1;
+  double mean = 1;
+};
+QualityRange triangle_qualities(std::span<const Vec3> position, std::span<const Triangle> triangles);
+
+/// Connected pieces, and the total genus by Euler's formula V - E + F = 2 (components - genus).
+struct MeshTopology {
+  int components = 0;
+  int genus = 0;
+};
+
+/// Topology of a closed mesh; vertices that no triangle uses do not count.
+/// Throws TopologyError where an edge does not have exactly two triangles that run along it in opposite directions.
+MeshTopology mesh_topology(std::span<const Vec3> position, std::span<const Triangle> triangles);
+
+/// The connected piece of each vertex, numbered from 0 by first vertex.
+std::vector<int> vertex_components(const VertexRings& rings);
+
+}  // namespace kappaflow

@@ -1,0 +1,55 @@
+// The velocity methods: how fast each point of an implicit surface moves. One function over a batch of points.
+//
+// Every method has the same normal part, Eq. 4: v_n = -f_t g/|g|^2; they differ in the motion along the surface.
+// To add a method, write one function of type VelocityFunction and add its row to the table in velocity.cpp.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "surface/field/field.h"
+#include "surface/mesh/vertex_rings.h"
+
+namespace kappaflow {
+
+/// A batch of points on the surface at one instant. Pointwise methods read the positions alone.
+struct SurfacePoints {
+  std::span<const Vec3> position;       ///< [m]
+  std::span<const double> area;         ///< a third of the area of the triangles around the point [m2]
+  const VertexRings& rings;             ///< one-ring neighbours
+};
+
+/// Options of the velocity methods.
+struct VelocityOptions {
+  /// lambda of the damped least squares (R^T R + lambda^2 I) y = R^T b on the dimensionless rows. 0.1 suits flows,
+  /// 1e-6 rigid bodies.
+  double damping = 0.1;
+  /// |v_t| is limited to this factor times Field::fastest_speed(). In a rotation the surface is faster than any
+  /// particle centre: use 4 for few rotating particles.
+  double speed_limit = 1;
+};
+
+/// What a method returns: one entry a point.
+struct SurfaceVelocities {
+  std::vector<Vec3> velocity;      ///< [m/s]; zero where the field has no gradient
+  std::vector<double> confidence;  ///< how well the tangential part is determined, in [0, 1]
+};
+
+using VelocityFunction = void (*)(const Field&, const SurfacePoints&, const VelocityOptions&, SurfaceVelocities&);
+
+/// A velocity method by name.
+struct VelocityMethod {
+  std::string_view name;
+  std::string_view summary;  ///< one line for help texts, with the equation
+  VelocityFunction evaluate;
+};
+
+/// All methods, in the order in which help texts list them.
+std::span<const VelocityMethod> velocity_methods();
+
+/// The method of that name. Throws InvalidInput that lists the names otherwise.
+const VelocityMethod& velocity_method(std::string_view name);
+
+}  // namespace kappaflow
