@@ -1,4 +1,5 @@
-// Fixed-radius neighbour search: a uniform grid whose cells list their points contiguously (a sorted cell list).
+// Fixed-radius neighbour search: a uniform grid whose cells list their points contiguously (a sorted cell
+// list).
 #pragma once
 
 #include <algorithm>
@@ -13,20 +14,21 @@
 
 namespace kappaflow {
 
-/// Sorts points by the cell that holds them. After build(), the k-th point in cell order is points[order()[k]];
-/// callers copy their data into that order and then read the contiguous ranges that ranges_near() visits.
-/// Within a cell the points keep the order in which they came, so the result does not depend on the threads.
+/// Sorts points by the cell that holds them. After build(), the k-th point in cell order is
+/// points[order()[k]]; callers copy their data into that order and then read the contiguous ranges that
+/// ranges_near() visits. Within a cell the points keep the order in which they came, so the result does not
+/// depend on the threads.
 class CellGrid {
  public:
-  /// Points: any range whose element p has p[0], p[1], p[2] [m], all finite. cell_size > 0 [m]; it is doubled until
-  /// the grid has at most 64 cells a point, so one particle that flies off costs speed and not memory.
+  /// Points: any range whose element p has p[0], p[1], p[2] [m], all finite. cell_size > 0 [m]; it is doubled
+  /// until the grid has at most 64 cells a point, so one particle that flies off costs speed and not memory.
   template <class Point>
   void build(std::span<const Point> points, double cell_size);
 
   std::span<const std::uint32_t> order() const { return order_; }
 
-  /// Calls visit(begin, end) for runs [begin, end) of cell order that together hold every point within `radius` of x
-  /// (and others). At most (2 radius / cell size + 2)^2 runs.
+  /// Calls visit(begin, end) for runs [begin, end) of cell order that together hold every point within
+  /// `radius` of x (and others). At most (2 radius / cell size + 2)^2 runs.
   template <class Point, class Visit>
   void ranges_near(const Point& x, double radius, const Visit& visit) const;
 
@@ -77,7 +79,8 @@ void CellGrid::build(std::span<const Point> points, double cell_size) {
     std::array<int, 3> c;
     for (int a = 0; a < 3; ++a)
       c[a] = std::clamp(clamped_cell(static_cast<double>(points[i][a]), a), 0, dims_[a] - 1);
-    cell_of_[i] = static_cast<std::uint32_t>((static_cast<std::size_t>(c[2]) * dims_[1] + c[1]) * dims_[0] + c[0]);
+    cell_of_[i] =
+        static_cast<std::uint32_t>((static_cast<std::size_t>(c[2]) * dims_[1] + c[1]) * dims_[0] + c[0]);
   });
 
   const std::size_t cells = static_cast<std::size_t>(dims_[0]) * dims_[1] * dims_[2];

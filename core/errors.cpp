@@ -21,10 +21,12 @@ InvalidInput::InvalidInput(const SourcePosition& where, const std::string& messa
     : Error(located(where, message), 2) {}
 
 SolverFailure::SolverFailure(double time, std::int64_t particle, const std::string& message)
-    : Error(fmt::format("the simulation failed at t = {:.6g} s{}: {}", time, at_particle(particle), message), 3) {}
+    : Error(fmt::format("the simulation failed at t = {:.6g} s{}: {}", time, at_particle(particle), message),
+            3) {}
 
 TopologyError::TopologyError(const Vec3& position, const std::string& message)
-    : Error(fmt::format("mesh at ({:.6g}, {:.6g}, {:.6g}): {}", position.x(), position.y(), position.z(), message),
+    : Error(fmt::format("mesh at ({:.6g}, {:.6g}, {:.6g}): {}", position.x(), position.y(), position.z(),
+                        message),
             4) {}
 
 IoError::IoError(const std::string& path, const std::string& message)

@@ -10,19 +10,21 @@
 
 namespace kappaflow {
 
-/// Elements that a task works on when the caller does not say; also fixes the summation tree of the reductions.
+/// Elements that a task works on when the caller does not say; also fixes the summation tree of the
+/// reductions.
 inline constexpr std::size_t kDefaultGrain = 256;
 
 /// Calls body(i) for i in [0, n), each exactly once, in parallel. body must write to element i only.
 template <class Body>
 void parallel_for(std::size_t n, const Body& body, std::size_t grain = kDefaultGrain) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, grain), [&](const tbb::blocked_range<std::size_t>& range) {
-    for (std::size_t i = range.begin(); i != range.end(); ++i) body(i);
-  });
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, grain),
+                    [&](const tbb::blocked_range<std::size_t>& range) {
+                      for (std::size_t i = range.begin(); i != range.end(); ++i) body(i);
+                    });
 }
 
-/// combine over i in [0, n) of value(i), starting from identity. The tree of combinations depends on n and grain
-/// only, never on the threads, so floating-point results are reproducible.
+/// combine over i in [0, n) of value(i), starting from identity. The tree of combinations depends on n and
+/// grain only, never on the threads, so floating-point results are reproducible.
 template <class T, class Value, class Combine>
 T parallel_reduce(std::size_t n, const T& identity, const Value& value, const Combine& combine,
                   std::size_t grain = kDefaultGrain) {
@@ -38,13 +40,15 @@ T parallel_reduce(std::size_t n, const T& identity, const Value& value, const Co
 /// Sum over i in [0, n) of value(i), reproducible. T: a number or an Eigen vector's plain type.
 template <class T, class Value>
 T parallel_sum(std::size_t n, const T& zero, const Value& value, std::size_t grain = kDefaultGrain) {
-  return parallel_reduce(n, zero, value, [](const T& a, const T& b) -> T { return a + b; }, grain);
+  return parallel_reduce(
+      n, zero, value, [](const T& a, const T& b) -> T { return a + b; }, grain);
 }
 
 /// Maximum over i in [0, n) of value(i), and at least `least`.
 template <class T, class Value>
 T parallel_max(std::size_t n, const T& least, const Value& value, std::size_t grain = kDefaultGrain) {
-  return parallel_reduce(n, least, value, [](const T& a, const T& b) -> T { return std::max(a, b); }, grain);
+  return parallel_reduce(
+      n, least, value, [](const T& a, const T& b) -> T { return std::max(a, b); }, grain);
 }
 
 }  // namespace kappaflow

@@ -9,8 +9,8 @@ namespace kappaflow {
 void check_particles(const Particles& particles) {
   const std::size_t n = particles.size();
   if (particles.position.size() != n || particles.velocity.size() != n)
-    throw InvalidInput(fmt::format("particles: {} ids, {} positions, {} velocities; the counts must be equal", n,
-                                   particles.position.size(), particles.velocity.size()));
+    throw InvalidInput(fmt::format("particles: {} ids, {} positions, {} velocities; the counts must be equal",
+                                   n, particles.position.size(), particles.velocity.size()));
   for (std::size_t i = 0; i < n; ++i) {
     if (i > 0 && particles.id[i] <= particles.id[i - 1])
       throw InvalidInput(fmt::format("particles: id {} follows id {}; ids must ascend", particles.id[i],

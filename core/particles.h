@@ -8,7 +8,8 @@
 
 namespace kappaflow {
 
-/// Particles at one instant, structure of arrays, sorted by ascending id. All arrays have one entry a particle.
+/// Particles at one instant, structure of arrays, sorted by ascending id. All arrays have one entry a
+/// particle.
 struct Particles {
   double time = 0;               ///< [s]
   std::vector<std::int64_t> id;  ///< unique, ascending; pairs a particle with itself at another instant

@@ -16,13 +16,15 @@ using Vec2 = Eigen::Vector2d;
 using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
 
-/// A 3-vector of an SPH particle, padded to one 16-byte SIMD register; the fourth component is 0 unless stated.
+/// A 3-vector of an SPH particle, padded to one 16-byte SIMD register; the fourth component is 0 unless
+/// stated.
 using Vec4f = Eigen::Vector4f;
 
 /// Three vertex indices, counter-clockwise seen from outside.
 using Triangle = std::array<int, 3>;
 
-/// An indexed triangle surface without attributes, e.g. a solid boundary [m]. Closed surfaces are oriented outward.
+/// An indexed triangle surface without attributes, e.g. a solid boundary [m]. Closed surfaces are oriented
+/// outward.
 struct TriangleSurface {
   std::vector<Vec3> vertices;
   std::vector<Triangle> triangles;

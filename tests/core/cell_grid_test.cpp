@@ -1,0 +1,116 @@
+#include "core/cell_grid.h"
+
+#include <gtest/gtest.h>
+
+#include <nanoflann.hpp>
+#include <random>
+#include <set>
+
+namespace kappaflow {
+namespace {
+
+struct PointCloud {
+  std::span<const Vec3> points;
+  std::size_t kdtree_get_point_count() const { return points.size(); }
+  double kdtree_get_pt(std::size_t i, std::size_t axis) const { return points[i][static_cast<int>(axis)]; }
+  template <class Box>
+  bool kdtree_get_bbox(Box&) const {
+    return false;
+  }
+};
+using KdTree =
+    nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, PointCloud>, PointCloud, 3>;
+
+std::vector<Vec3> random_points(int count, double extent, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> coordinate(-extent, extent);
+  std::vector<Vec3> points(count);
+  for (Vec3& p : points) p = Vec3(coordinate(random), coordinate(random), coordinate(random));
+  return points;
+}
+
+std::set<std::uint32_t> found_by_grid(const CellGrid& grid, std::span<const Vec3> points, const Vec3& x,
+                                      double r) {
+  std::set<std::uint32_t> found;
+  grid.ranges_near(x, r, [&](std::uint32_t begin, std::uint32_t end) {
+    for (std::uint32_t k = begin; k != end; ++k) {
+      const std::uint32_t i = grid.order()[k];
+      if ((points[i] - x).squaredNorm() < r * r) {
+        EXPECT_TRUE(found.insert(i).second) << "visited twice: " << i;
+      }
+    }
+  });
+  return found;
+}
+
+std::set<std::uint32_t> found_by_brute_force(std::span<const Vec3> points, const Vec3& x, double r) {
+  std::set<std::uint32_t> found;
+  for (std::uint32_t i = 0; i < points.size(); ++i)
+    if ((points[i] - x).squaredNorm() < r * r) found.insert(i);
+  return found;
+}
+
+TEST(CellGrid, FindsWhatBruteForceFindsAtAnyRadius) {
+  const auto points = random_points(500, 1, 1);
+  CellGrid grid;
+  grid.build(std::span<const Vec3>(points), 0.3);
+  for (const double radius : {0.1, 0.3, 0.75})
+    for (const Vec3& x : random_points(100, 1.5, 2))  // some outside of the grid
+      EXPECT_EQ(found_by_grid(grid, points, x, radius), found_by_brute_force(points, x, radius));
+}
+
+TEST(CellGrid, FindsWhatAKdTreeFinds) {
+  const auto points = random_points(5000, 1, 3);
+  CellGrid grid;
+  grid.build(std::span<const Vec3>(points), 0.1);
+  const PointCloud cloud{points};
+  const KdTree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(10));
+  for (const Vec3& x : random_points(200, 1, 4)) {
+    std::vector<std::pair<std::uint32_t, double>> matches;
+    tree.radiusSearch(x.data(), 0.1 * 0.1, matches, nanoflann::SearchParams());
+    std::set<std::uint32_t> expected;
+    for (const auto& match : matches) expected.insert(match.first);
+    EXPECT_EQ(found_by_grid(grid, points, x, 0.1), expected);
+  }
+}
+
+TEST(CellGrid, HandlesDegenerateClouds) {
+  CellGrid grid;
+  grid.build(std::span<const Vec3>(), 1.0);
+  EXPECT_TRUE(found_by_grid(grid, {}, Vec3::Zero(), 1).empty());
+
+  const std::vector<Vec3> same(10, Vec3(1, 2, 3));
+  grid.build(std::span<const Vec3>(same), 1.0);
+  EXPECT_EQ(found_by_grid(grid, same, Vec3(1, 2, 3), 1e-9).size(), 10u);
+  EXPECT_TRUE(found_by_grid(grid, same, Vec3(9, 2, 3), 1).empty());
+}
+
+TEST(CellGrid, AParticleFarAwayCostsNoMemoryAndHidesNobody) {
+  auto points = random_points(200, 1, 5);
+  points.push_back(Vec3(1e7, -1e7, 1e7));
+  CellGrid grid;
+  grid.build(std::span<const Vec3>(points), 0.1);
+  for (const Vec3& x : random_points(50, 1, 6))
+    EXPECT_EQ(found_by_grid(grid, points, x, 0.1), found_by_brute_force(points, x, 0.1));
+  EXPECT_EQ(found_by_grid(grid, points, points.back(), 0.1).size(), 1u);
+}
+
+TEST(CellGrid, KeepsTheOrderOfPointsWithinACell) {
+  const std::vector<Vec3> points{{0.1, 0, 0}, {5, 0, 0}, {0.3, 0, 0}, {0.2, 0, 0}};
+  CellGrid grid;
+  grid.build(std::span<const Vec3>(points), 1.0);
+  EXPECT_EQ(std::vector<std::uint32_t>(grid.order().begin(), grid.order().end()),
+            (std::vector<std::uint32_t>{0, 2, 3, 1}));
+}
+
+TEST(CellGrid, TakesSinglePrecisionPaddedPoints) {
+  const std::vector<Vec4f> points{{0, 0, 0, 0}, {1, 0, 0, 0}, {0, 3, 0, 0}};
+  CellGrid grid;
+  grid.build(std::span<const Vec4f>(points), 1.0);
+  std::size_t visited = 0;
+  grid.ranges_near(points[0], 1.0, [&](std::uint32_t begin, std::uint32_t end) { visited += end - begin; });
+  EXPECT_EQ(visited, 2u);
+}
+
+}  // namespace
+}  // namespace kappaflow
