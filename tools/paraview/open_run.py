@@ -1,0 +1,90 @@
+"""Opens a run folder in ParaView, ready to look at: the tracked surfaces side by side in their checker colours,
+the walls, and the real time of every frame.
+
+In the application:   KAPPAFLOW_RUN=out/staircase paraview --script=tools/paraview/open_run.py
+Without a window:     xvfb-run -a pvbatch tools/paraview/open_run.py out/staircase picture.png
+The picture shows the last frame, or the frame nearest to the time [s] given as a third word.
+"""
+
+import os
+import sys
+from xml.etree import ElementTree
+
+from paraview import simple
+
+
+def series(run):
+    """The surface series of a run folder, by method name, in the order in which they were tracked."""
+    collection = ElementTree.parse(os.path.join(run, "run.pvd")).getroot().find("Collection")
+    folders = dict.fromkeys(entry.get("file").split("/")[0] for entry in collection)
+    return {name[len("surface-"):]: os.path.join(run, name + ".pvd") for name in folders if name.startswith("surface-")}
+
+
+def show(run, method, pvd, view):
+    surface = simple.PVDReader(registrationName=method, FileName=pvd)
+    display = simple.Show(surface, view)
+    simple.ColorBy(display, ("POINTS", "checker"))
+    display.MapScalars = 0  # checker holds colours, not values to look up
+    boundary = os.path.join(run, "boundary.vtp")
+    if os.path.exists(boundary):
+        walls = simple.XMLPolyDataReader(registrationName="walls", FileName=[boundary])
+        walls_display = simple.Show(walls, view)
+        simple.ColorBy(walls_display, None)
+        walls_display.DiffuseColor = [0.8, 0.8, 0.8]
+        walls_display.Opacity = 0.5
+    label = simple.Text(registrationName=method + " label", Text=method)
+    label_display = simple.Show(label, view)
+    label_display.Color = [0, 0, 0]
+    label_display.FontSize = 24
+    view.UseColorPaletteForBackground = 0
+    view.Background = [1, 1, 1]
+    view.OrientationAxesVisibility = 0
+
+
+def aim(view):
+    """From the front, the right and above; gravity points down the screen."""
+    view.CameraPosition = [0.55, 0.45, 1]
+    view.CameraFocalPoint = [0, 0, 0]
+    view.CameraViewUp = [0, 1, 0]
+    view.ResetCamera()
+
+
+def open_run(run):
+    methods = series(run)
+    if not methods:
+        sys.exit(f"{run}/run.pvd names no tracked surface")
+    simple._DisableFirstRenderCameraReset()
+    layout = simple.CreateLayout(name="kappaflow")
+    views = []
+    for index, (method, pvd) in enumerate(methods.items()):
+        view = simple.CreateView("RenderView")
+        if index > 0:
+            layout.SplitHorizontal(index * 2 - 1, 1 / (len(methods) - index + 1))
+        simple.AssignViewToLayout(view=view, layout=layout)
+        show(run, method, pvd, view)
+        views.append(view)
+    for view in views[1:]:
+        simple.AddCameraLink(views[0], view, f"camera {id(view)}")
+    scene = simple.GetAnimationScene()
+    scene.UpdateAnimationUsingDataTimeSteps()
+    return layout, views, scene
+
+
+def main():
+    run = sys.argv[1] if len(sys.argv) > 1 else os.environ.get("KAPPAFLOW_RUN", "")
+    if not os.path.exists(os.path.join(run, "run.pvd")):
+        sys.exit(f"'{run}' holds no run.pvd; name a run folder as the first word or in KAPPAFLOW_RUN")
+    layout, views, scene = open_run(run)
+    times = scene.TimeKeeper.TimestepValues
+    wanted = float(sys.argv[3]) if len(sys.argv) > 3 else times[-1]
+    scene.AnimationTime = min(times, key=lambda time: abs(time - wanted))
+    for view in views:
+        simple.SetActiveView(view)
+        simple.Render(view)
+        aim(view)
+    if len(sys.argv) > 2:
+        layout.SetSize(900 * len(views), 800)
+        simple.SaveScreenshot(sys.argv[2], layout)
+
+
+main()
