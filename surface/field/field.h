@@ -1,4 +1,5 @@
-// What the tracker and the velocity methods know of a field: a jet at (x, t), a length scale, and nothing else.
+// What the tracker and the velocity methods know of a field: a jet at (x, t), a length scale, and nothing
+// else.
 #pragma once
 
 #include <memory>
@@ -35,7 +36,8 @@ class Field {
 
   /// A box outside of which f < 0.
   virtual Bounds bounds() const = 0;
-  /// The smallest length on which the field varies (for particles the smallest sigma) [m]; scales steps and tolerances.
+  /// The smallest length on which the field varies (for particles the smallest sigma) [m]; scales steps and
+  /// tolerances.
   virtual double length_scale() const = 0;
   /// The largest speed of anything that makes the field [m/s].
   virtual double fastest_speed() const = 0;

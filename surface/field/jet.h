@@ -22,17 +22,19 @@ struct ThirdDerivatives {
   }
 };
 
-/// f and its derivatives at one point and time. f > 0 inside; grad f points inward; outward normal n = -g/|g|.
+/// f and its derivatives at one point and time. f > 0 inside; grad f points inward; outward normal n =
+/// -g/|g|.
 struct Jet {
-  double f = 0;                  ///< value, threshold subtracted [-]
-  Vec3 g = Vec3::Zero();         ///< gradient [1/m]
-  Mat3 A = Mat3::Zero();         ///< Hessian [1/m2]
-  ThirdDerivatives C;            ///< third derivatives [1/m3]
-  double f_t = 0;                ///< partial time derivative at fixed x [1/s]
-  Vec3 g_t = Vec3::Zero();       ///< of the gradient [1/(m s)]
-  Mat3 A_t = Mat3::Zero();       ///< of the Hessian [1/(m2 s)]
-  double length_scale = 0;       ///< sigma, averaged with weights w phi over what is in reach [m]; 0: nothing in reach
-  double fastest_in_reach = 0;   ///< largest speed of what makes the field here [m/s]; bounds |f_t|/|g|
+  double f = 0;             ///< value, threshold subtracted [-]
+  Vec3 g = Vec3::Zero();    ///< gradient [1/m]
+  Mat3 A = Mat3::Zero();    ///< Hessian [1/m2]
+  ThirdDerivatives C;       ///< third derivatives [1/m3]
+  double f_t = 0;           ///< partial time derivative at fixed x [1/s]
+  Vec3 g_t = Vec3::Zero();  ///< of the gradient [1/(m s)]
+  Mat3 A_t = Mat3::Zero();  ///< of the Hessian [1/(m2 s)]
+  double length_scale =
+      0;  ///< sigma, averaged with weights w phi over what is in reach [m]; 0: nothing in reach
+  double fastest_in_reach = 0;  ///< largest speed of what makes the field here [m/s]; bounds |f_t|/|g|
 };
 
 /// f and its gradient at one point, for projection.

@@ -24,7 +24,8 @@ struct FieldParticles {
   std::vector<double> weight_rate;  ///< dw_i/dt [1/s]
 };
 
-/// Eq. 12 at one instant, with its analytic jet.
+/// Eq. 12 at one instant, with its analytic jet. The third derivatives jump where a particle's support ends;
+/// all else is continuous. Every sum runs in a fixed order, so results do not depend on the threads.
 class ParticleField final : public Field {
  public:
   /// threshold: T [-]. Throws InvalidInput when arrays differ in length or a sigma is not positive.
@@ -34,25 +35,44 @@ class ParticleField final : public Field {
   double threshold() const { return threshold_; }
   Jet jet(const Vec3& x) const override;
   ValueAndGradient value_and_gradient(const Vec3& x) const override;
-  Bounds bounds() const override;
-  double length_scale() const override { return smallest_sigma_; }
+  Bounds bounds() const override { return bounds_; }
+  double length_scale() const override { return smallest_sigma_; }  ///< 0 without particles
   double fastest_speed() const override { return fastest_speed_; }
+  /// Affine moving least squares of the particles' velocities, kernel (1 - r^2)^3, basis (1, (x_i -
+  /// x)/sigma), with a ridge of 0.06 times the sum of the kernel on the three gradient terms. nullopt where
+  /// nothing is in reach.
   std::optional<Vec3> material_velocity(const Vec3& x) const override;
   void sample(SampledField& samples) const override;
 
  private:
-  FieldParticles particles_;  // in the grid's cell order
+  /// What a particle adds to the jet beside its place.
+  struct Source {
+    Vec3 velocity;
+    double sigma, weight, weight_rate;
+  };
+  struct Hits;
+  struct JetSums;
+
+  void set_particles(const FieldParticles& particles);
+  template <class Consume>
+  void visit_hits(const Vec3& x, const Consume& consume) const;
+  void load_hits(const Vec3& x, std::span<const std::uint32_t> indices, Hits& hits) const;
+
   CellGrid grid_;
+  // All in the grid's cell order. The search reads the first four only.
+  std::vector<double> x_, y_, z_, inverse_sigma2_, weight_;
+  std::vector<Source> source_;
   double threshold_;
   double time_;
   double largest_sigma_ = 0, smallest_sigma_ = 0, fastest_speed_ = 0;
+  Bounds bounds_;
 };
 
 /// Weights by `rule` for particles at `position` with one support radius sigma [m].
 std::vector<double> field_weights(std::span<const Vec3> position, double sigma, WeightRule rule);
 
-/// Half the median over the particles of sum_j w_j (1 - r_ij^2)^3: the threshold that puts a flat surface in the
-/// right place. Throws InvalidInput without particles.
+/// Half the median over the particles of sum_j w_j (1 - r_ij^2)^3: the threshold that puts a flat surface in
+/// the right place. Throws InvalidInput without particles.
 double half_median_threshold(std::span<const Vec3> position, std::span<const double> weight, double sigma);
 
 }  // namespace kappaflow

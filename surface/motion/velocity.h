@@ -1,7 +1,9 @@
-// The velocity methods: how fast each point of an implicit surface moves. One function over a batch of points.
+// The velocity methods: how fast each point of an implicit surface moves. One function over a batch of
+// points.
 //
-// Every method has the same normal part, Eq. 4: v_n = -f_t g/|g|^2; they differ in the motion along the surface.
-// To add a method, write one function of type VelocityFunction and add its row to the table in velocity.cpp.
+// Every method has the same normal part, Eq. 4: v_n = -f_t g/|g|^2; they differ in the motion along the
+// surface. To add a method, write one function of type VelocityFunction and add its row to the table in
+// velocity.cpp.
 #pragma once
 
 #include <span>
@@ -16,18 +18,18 @@ namespace kappaflow {
 
 /// A batch of points on the surface at one instant. Pointwise methods read the positions alone.
 struct SurfacePoints {
-  std::span<const Vec3> position;       ///< [m]
-  std::span<const double> area;         ///< a third of the area of the triangles around the point [m2]
-  const VertexRings& rings;             ///< one-ring neighbours
+  std::span<const Vec3> position;  ///< [m]
+  std::span<const double> area;    ///< a third of the area of the triangles around the point [m2]
+  const VertexRings& rings;        ///< one-ring neighbours
 };
 
 /// Options of the velocity methods.
 struct VelocityOptions {
-  /// lambda of the damped least squares (R^T R + lambda^2 I) y = R^T b on the dimensionless rows. 0.1 suits flows,
-  /// 1e-6 rigid bodies.
+  /// lambda of the damped least squares (R^T R + lambda^2 I) y = R^T b on the dimensionless rows. 0.1 suits
+  /// flows, 1e-6 rigid bodies.
   double damping = 0.1;
-  /// |v_t| is limited to this factor times Field::fastest_speed(). In a rotation the surface is faster than any
-  /// particle centre: use 4 for few rotating particles.
+  /// |v_t| is limited to this factor times Field::fastest_speed(). In a rotation the surface is faster than
+  /// any particle centre: use 4 for few rotating particles.
   double speed_limit = 1;
 };
 
@@ -37,7 +39,8 @@ struct SurfaceVelocities {
   std::vector<double> confidence;  ///< how well the tangential part is determined, in [0, 1]
 };
 
-using VelocityFunction = void (*)(const Field&, const SurfacePoints&, const VelocityOptions&, SurfaceVelocities&);
+using VelocityFunction = void (*)(const Field&, const SurfacePoints&, const VelocityOptions&,
+                                  SurfaceVelocities&);
 
 /// A velocity method by name.
 struct VelocityMethod {

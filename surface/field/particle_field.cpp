@@ -1,0 +1,274 @@
+// Eq. 12 of Fujisawa et al. 2011 and its derivatives, in one pass over the particles in reach.
+//
+// With s = |x - x_i|^2/sigma^2, u = 1 - s, k = 2/sigma^2 and d = x - x_i, a particle's kernel u^3 has the
+// derivatives
+//   phi_a   = b1 d_a                                                     b1 = -3 u^2 k
+//   phi_ab  = b2 d_a d_b + b1 delta_ab                                   b2 =  6 u k^2
+//   phi_abc = b3 d_a d_b d_c + b2 (delta_ab d_c + delta_ac d_b + delta_bc d_a),   b3 = -6 k^3
+// and in time each of them changes by w' times itself less w v . grad of itself.
+#include "surface/field/particle_field.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+
+#include "core/errors.h"
+
+namespace kappaflow {
+
+namespace {
+
+/// Four particles side by side. The width is fixed so that the order of summation is the same on every
+/// processor.
+using Lanes = Eigen::Array4d;
+constexpr std::size_t kLanes = 4;
+
+/// Most particles that are worked on at once; more in reach are taken in turns.
+constexpr std::size_t kHitCapacity = 256;
+
+/// Cells of half a support: small enough to miss few particles, large enough for runs worth visiting.
+constexpr double kCellsPerSigma = 2;
+
+Lanes load(const double* values) {
+  return Eigen::Map<const Lanes, Eigen::Aligned32>(values);
+}
+
+void check(const FieldParticles& p) {
+  const std::size_t n = p.position.size();
+  if (p.velocity.size() != n || p.sigma.size() != n || p.weight.size() != n || p.weight_rate.size() != n)
+    throw InvalidInput(
+        fmt::format("field particles: {} positions, {} velocities, {} sigmas, {} weights, {} weight rates; "
+                    "the counts must be equal",
+                    n, p.velocity.size(), p.sigma.size(), p.weight.size(), p.weight_rate.size()));
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!(p.sigma[i] > 0) || !std::isfinite(p.sigma[i]))
+      throw InvalidInput(fmt::format("field particle {}: sigma is {}; it must be positive", i, p.sigma[i]));
+    if (!p.position[i].allFinite() || !p.velocity[i].allFinite() || !std::isfinite(p.weight[i]) ||
+        !std::isfinite(p.weight_rate[i]))
+      throw InvalidInput(fmt::format("field particle {}: a number is not finite", i));
+  }
+}
+
+}  // namespace
+
+/// Particles in reach of a point, copied side by side and padded to whole lanes with particles of no weight.
+struct ParticleField::Hits {
+  std::size_t count;  // a multiple of kLanes
+  alignas(32) double dx[kHitCapacity], dy[kHitCapacity], dz[kHitCapacity];
+  alignas(32) double vx[kHitCapacity], vy[kHitCapacity], vz[kHitCapacity];
+  alignas(32) double inverse_sigma2[kHitCapacity], sigma[kHitCapacity];
+  alignas(32) double weight[kHitCapacity], weight_rate[kHitCapacity];
+};
+
+/// The sums over particles that make a jet; pairs xx, xy, xz, yy, yz, zz and triples xxx ... zzz in that
+/// order.
+struct ParticleField::JetSums {
+  Lanes f = Lanes::Zero(), f_t = Lanes::Zero(), sigma = Lanes::Zero(), fastest2 = Lanes::Zero();
+  Lanes g[3], g_t[3], p2_d[3];
+  Lanes p1 = Lanes::Zero(), c1 = Lanes::Zero();  // what stands on the diagonals of A and A_t
+  Lanes A[6], A_t[6];
+  Lanes C[10];
+
+  JetSums() {
+    for (Lanes* sums : {g, g_t, p2_d}) std::fill_n(sums, 3, Lanes::Zero());
+    for (Lanes* sums : {A, A_t}) std::fill_n(sums, 6, Lanes::Zero());
+    std::fill_n(C, 10, Lanes::Zero());
+  }
+
+  void add(const Hits& hits, std::size_t first);
+  Jet jet(double threshold) const;
+};
+
+inline void ParticleField::JetSums::add(const Hits& hits, std::size_t first) {
+  const Lanes d[3] = {load(hits.dx + first), load(hits.dy + first), load(hits.dz + first)};
+  const Lanes v[3] = {load(hits.vx + first), load(hits.vy + first), load(hits.vz + first)};
+  const Lanes w = load(hits.weight + first), w_t = load(hits.weight_rate + first);
+  const Lanes is2 = load(hits.inverse_sigma2 + first), k = 2 * is2;
+  const Lanes u = 1 - (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) * is2, phi = u * u * u;
+  const Lanes b1 = -3 * u * u * k, b2 = 6 * u * k * k;
+  const Lanes w_phi = w * phi, w_p1 = w * b1, p2 = w * b2, p3 = -6 * w * k * k * k;
+  const Lanes q = d[0] * v[0] + d[1] * v[1] + d[2] * v[2];
+  const Lanes w_c1 = w_t * b1 - p2 * q, c2 = w_t * b2 - p3 * q;
+
+  f += w_phi;
+  f_t += w_t * phi - w_p1 * q;
+  sigma += w_phi * load(hits.sigma + first);
+  fastest2 = fastest2.max(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  p1 += w_p1;
+  c1 += w_c1;
+  for (int a = 0, ab = 0, abc = 0; a < 3; ++a) {
+    const Lanes p2_da = p2 * d[a], p2_va = p2 * v[a], p3_da = p3 * d[a], c2_da = c2 * d[a];
+    g[a] += w_p1 * d[a];
+    g_t[a] += w_c1 * d[a] - w_p1 * v[a];
+    p2_d[a] += p2_da;
+    for (int b = a; b < 3; ++b, ++ab) {
+      A[ab] += p2_da * d[b];
+      A_t[ab] += c2_da * d[b] - p2_da * v[b] - p2_va * d[b];
+      const Lanes p3_da_db = p3_da * d[b];
+      for (int c = b; c < 3; ++c, ++abc) C[abc] += p3_da_db * d[c];
+    }
+  }
+}
+
+inline Jet ParticleField::JetSums::jet(double threshold) const {
+  const auto symmetric = [](const Lanes(&m)[6], double diagonal) {
+    Mat3 s;
+    s << m[0].sum() + diagonal, m[1].sum(), m[2].sum(),  //
+        m[1].sum(), m[3].sum() + diagonal, m[4].sum(),   //
+        m[2].sum(), m[4].sum(), m[5].sum() + diagonal;
+    return s;
+  };
+  Jet jet;
+  const double sum = f.sum();
+  jet.f = sum - threshold;
+  jet.f_t = f_t.sum();
+  jet.g = Vec3(g[0].sum(), g[1].sum(), g[2].sum());
+  jet.g_t = Vec3(g_t[0].sum(), g_t[1].sum(), g_t[2].sum());
+  jet.A = symmetric(A, p1.sum());
+  jet.A_t = symmetric(A_t, c1.sum());
+  const double qx = p2_d[0].sum(), qy = p2_d[1].sum(), qz = p2_d[2].sum();
+  jet.C = {.xxx = C[0].sum() + 3 * qx,
+           .xxy = C[1].sum() + qy,
+           .xxz = C[2].sum() + qz,
+           .xyy = C[3].sum() + qx,
+           .xyz = C[4].sum(),
+           .xzz = C[5].sum() + qx,
+           .yyy = C[6].sum() + 3 * qy,
+           .yyz = C[7].sum() + qz,
+           .yzz = C[8].sum() + qy,
+           .zzz = C[9].sum() + 3 * qz};
+  jet.length_scale = sum > 0 ? sigma.sum() / sum : 0;
+  jet.fastest_in_reach = std::sqrt(fastest2.maxCoeff());
+  return jet;
+}
+
+ParticleField::ParticleField(FieldParticles particles, double threshold, double time)
+    : threshold_(threshold), time_(time) {
+  check(particles);
+  set_particles(particles);
+}
+
+void ParticleField::set_particles(const FieldParticles& p) {
+  const std::size_t n = p.position.size();
+  if (n == 0) return;
+  const auto [smallest, largest] = std::minmax_element(p.sigma.begin(), p.sigma.end());
+  smallest_sigma_ = *smallest;
+  largest_sigma_ = *largest;
+  bounds_ = {p.position[0], p.position[0]};
+  for (std::size_t i = 0; i < n; ++i) {
+    bounds_.lower = bounds_.lower.cwiseMin(p.position[i] - Vec3::Constant(p.sigma[i]));
+    bounds_.upper = bounds_.upper.cwiseMax(p.position[i] + Vec3::Constant(p.sigma[i]));
+    fastest_speed_ = std::max(fastest_speed_, p.velocity[i].norm());
+  }
+  grid_.build(std::span<const Vec3>(p.position), largest_sigma_ / kCellsPerSigma);
+  for (auto* array : {&x_, &y_, &z_, &inverse_sigma2_, &weight_}) array->resize(n);
+  source_.resize(n);
+  parallel_for(n, [&](std::size_t k) {
+    const std::size_t i = grid_.order()[k];
+    x_[k] = p.position[i][0];
+    y_[k] = p.position[i][1];
+    z_[k] = p.position[i][2];
+    inverse_sigma2_[k] = 1 / (p.sigma[i] * p.sigma[i]);
+    weight_[k] = p.weight[i];
+    source_[k] = {p.velocity[i], p.sigma[i], p.weight[i], p.weight_rate[i]};
+  });
+}
+
+/// Calls consume(indices) with the particles that have |x - x_i| < sigma_i, at most kHitCapacity at a time.
+template <class Consume>
+void ParticleField::visit_hits(const Vec3& x, const Consume& consume) const {
+  std::array<std::uint32_t, kHitCapacity> hit;
+  std::size_t count = 0;
+  grid_.ranges_near(x, largest_sigma_, [&](std::uint32_t begin, std::uint32_t end) {
+    while (begin < end) {
+      const auto piece_end =
+          static_cast<std::uint32_t>(std::min<std::size_t>(end, begin + (kHitCapacity - count)));
+      for (; begin < piece_end; ++begin) {  // without a branch: one candidate in four is a hit, in no pattern
+        const double dx = x[0] - x_[begin], dy = x[1] - y_[begin], dz = x[2] - z_[begin];
+        hit[count] = begin;
+        count += (dx * dx + dy * dy + dz * dz) * inverse_sigma2_[begin] < 1;
+      }
+      if (count < kHitCapacity) continue;
+      consume(std::span<const std::uint32_t>(hit.data(), count));
+      count = 0;
+    }
+  });
+  if (count > 0) consume(std::span<const std::uint32_t>(hit.data(), count));
+}
+
+inline void ParticleField::load_hits(const Vec3& x, std::span<const std::uint32_t> indices,
+                                     Hits& hits) const {
+  std::size_t n = 0;
+  for (const std::uint32_t k : indices) {
+    const Source& source = source_[k];
+    hits.dx[n] = x[0] - x_[k];
+    hits.dy[n] = x[1] - y_[k];
+    hits.dz[n] = x[2] - z_[k];
+    hits.vx[n] = source.velocity[0];
+    hits.vy[n] = source.velocity[1];
+    hits.vz[n] = source.velocity[2];
+    hits.inverse_sigma2[n] = inverse_sigma2_[k];
+    hits.sigma[n] = source.sigma;
+    hits.weight[n] = source.weight;
+    hits.weight_rate[n] = source.weight_rate;
+    ++n;
+  }
+  for (; n % kLanes != 0; ++n)
+    for (double* values : {hits.dx, hits.dy, hits.dz, hits.vx, hits.vy, hits.vz, hits.inverse_sigma2,
+                           hits.sigma, hits.weight, hits.weight_rate})
+      values[n] = 0;
+  hits.count = n;
+}
+
+Jet ParticleField::jet(const Vec3& x) const {
+  Hits hits;
+  JetSums sums;
+  visit_hits(x, [&](std::span<const std::uint32_t> indices) {
+    load_hits(x, indices, hits);
+    for (std::size_t first = 0; first < hits.count; first += kLanes) sums.add(hits, first);
+  });
+  return sums.jet(threshold_);
+}
+
+ValueAndGradient ParticleField::value_and_gradient(const Vec3& x) const {
+  double f = 0, gx = 0, gy = 0, gz = 0;
+  visit_hits(x, [&](std::span<const std::uint32_t> indices) {
+    const std::size_t n = indices.size();
+#pragma omp simd reduction(+ : f, gx, gy, gz)
+    for (std::size_t h = 0; h < n; ++h) {
+      const std::uint32_t k = indices[h];
+      const double dx = x[0] - x_[k], dy = x[1] - y_[k], dz = x[2] - z_[k], is2 = inverse_sigma2_[k];
+      const double u = 1 - (dx * dx + dy * dy + dz * dz) * is2, w_u2 = weight_[k] * u * u,
+                   p1 = -6 * w_u2 * is2;
+      f += w_u2 * u;
+      gx += p1 * dx;
+      gy += p1 * dy;
+      gz += p1 * dz;
+    }
+  });
+  return {f - threshold_, Vec3(gx, gy, gz)};
+}
+
+std::optional<Vec3> ParticleField::material_velocity(const Vec3& x) const {
+  constexpr double kRidge = 0.06;
+  using Vec4 = Eigen::Vector4d;
+  Eigen::Matrix4d moment = Eigen::Matrix4d::Zero();
+  Eigen::Matrix<double, 4, 3> rhs = Eigen::Matrix<double, 4, 3>::Zero();
+  visit_hits(x, [&](std::span<const std::uint32_t> indices) {
+    for (const std::uint32_t k : indices) {
+      const Vec3 d(x_[k] - x[0], y_[k] - x[1], z_[k] - x[2]);
+      const double u = 1 - d.squaredNorm() * inverse_sigma2_[k];
+      const Vec4 basis(1, d[0] / smallest_sigma_, d[1] / smallest_sigma_, d[2] / smallest_sigma_);
+      const Vec4 weighted = u * u * u * basis;
+      moment += weighted * basis.transpose();
+      rhs += weighted * source_[k].velocity.transpose();
+    }
+  });
+  const double sum = moment(0, 0);
+  if (!(sum > 0)) return std::nullopt;
+  moment.diagonal().tail<3>().array() += kRidge * sum;
+  return Vec3(moment.ldlt().solve(rhs).row(0).transpose());
+}
+
+}  // namespace kappaflow

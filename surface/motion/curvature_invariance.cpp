@@ -1,0 +1,39 @@
+#include "surface/motion/curvature_invariance.h"
+
+#include "surface/field/curvature.h"
+#include "surface/motion/normal.h"
+#include "surface/motion/total.h"
+
+namespace kappaflow {
+
+TangentialRows<2> curvature_rows(const Jet& jet, const TangentBasis& basis, const Vec3& normal_velocity) {
+  const CurvatureJet c = curvature_jet(jet);
+  const double L = jet.length_scale, scale_K = L * L * L, scale_H = L * L;
+  TangentialRows<2> rows;
+  rows.R.row(0) = scale_K * c.grad_K.transpose() * basis;
+  rows.R.row(1) = scale_H * c.grad_H.transpose() * basis;
+  rows.b = -Vec2(scale_K * (c.grad_K.dot(normal_velocity) + c.K_t),
+                 scale_H * (c.grad_H.dot(normal_velocity) + c.H_t));
+  return rows;
+}
+
+void evaluate_curvature_only(const Field& field, const SurfacePoints& points, const VelocityOptions& options,
+                             SurfaceVelocities& result) {
+  evaluate_pointwise(field, points, result, [&](const Vec3& /*x*/, const Jet& jet) {
+    const TangentBasis basis = tangent_basis(jet.g.normalized());
+    const Vec3 v_n = normal_velocity(jet, options);
+    return with_tangential(v_n, basis, curvature_rows(jet, basis, v_n), field, options);
+  });
+}
+
+void evaluate_curvature(const Field& field, const SurfacePoints& points, const VelocityOptions& options,
+                        SurfaceVelocities& result) {
+  evaluate_pointwise(field, points, result, [&](const Vec3& /*x*/, const Jet& jet) {
+    const TangentBasis basis = tangent_basis(jet.g.normalized());
+    const Vec3 v_n = normal_velocity(jet, options);
+    const TangentialRows<4> rows = stacked(total_rows(jet, basis, v_n), curvature_rows(jet, basis, v_n));
+    return with_tangential(v_n, basis, rows, field, options);
+  });
+}
+
+}  // namespace kappaflow

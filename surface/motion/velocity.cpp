@@ -1,0 +1,40 @@
+#include "surface/motion/velocity.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "core/errors.h"
+#include "surface/motion/curvature_invariance.h"
+#include "surface/motion/material.h"
+#include "surface/motion/normal.h"
+#include "surface/motion/total.h"
+
+namespace kappaflow {
+
+std::span<const VelocityMethod> velocity_methods() {
+  static constexpr std::array methods{
+      VelocityMethod{"normal", "along the normal only (Eq. 4)", evaluate_normal},
+      VelocityMethod{"total", "keeps the normal of each point (Eq. 5, Stam & Schmidt)", evaluate_total},
+      VelocityMethod{"curvature", "keeps normal and curvatures as well as both can be (Eq. 10)",
+                     evaluate_curvature},
+      VelocityMethod{"curvature-only", "keeps the curvatures K and H (Eqs. 7-8)", evaluate_curvature_only},
+      VelocityMethod{"material", "follows the particles' velocities (moving least squares)",
+                     evaluate_material},
+  };
+  return methods;
+}
+
+const VelocityMethod& velocity_method(std::string_view name) {
+  const auto methods = velocity_methods();
+  const auto found =
+      std::find_if(methods.begin(), methods.end(), [&](const auto& m) { return m.name == name; });
+  if (found != methods.end()) return *found;
+  std::string names;
+  for (const VelocityMethod& method : methods)
+    names += fmt::format("{}{}", names.empty() ? "" : ", ", method.name);
+  throw InvalidInput(fmt::format("unknown velocity method '{}'; methods are {}", name, names));
+}
+
+}  // namespace kappaflow
