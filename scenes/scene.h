@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/errors.h"
 #include "core/types.h"
 #include "solver/fluid_solver.h"
 #include "surface/field/particle_motion.h"
@@ -21,58 +22,66 @@ struct SphereShape {
   Vec3 center;        ///< [m]
   double radius = 0;  ///< [m]
 };
-/// A flight of stairs that goes down along +x from a landing to a floor, extruded along z, as one closed solid:
-/// the landing's top is at y = floor_height + steps * rise and ends at x = start; the i-th tread is `rise` lower and
-/// `run` long; after the last comes the floor.
+/// A flight of stairs that goes down along +x, y up, extruded along z, as one closed solid. With (x0, y0, z0)
+/// = origin: the landing is at y = y0 + steps rise and ends at the first riser, x = x0 - (steps - 1) run;
+/// after riser i comes a tread at y = y0 + (steps - i) rise that is `run` long; the last riser stands at x0,
+/// and the floor, y = y0, follows it.
 struct StairsShape {
-  int steps = 5;
-  double rise = 0, run = 0;     ///< height and depth of a step [m]
-  double landing = 0;           ///< length of the landing before the first edge [m]
-  double floor = 0;             ///< length of the floor after the last step [m]
-  double width = 0;             ///< extent along z, centred on z = 0 [m]
-  double thickness = 0;         ///< of the solid under the floor [m]
-  Vec3 origin{0, 0, 0};         ///< foot of the last riser, at mid-width [m]
+  int steps = 5;             ///< number of risers
+  double rise = 0, run = 0;  ///< height and depth of a step [m]
+  double landing = 0;        ///< length of the landing before the first riser [m]
+  double floor = 0;          ///< length of the floor after the last riser [m]
+  double width = 0;          ///< extent along z, centred on z0 [m]
+  double thickness = 0;      ///< of the solid under the floor [m]
+  Vec3 origin{0, 0, 0};      ///< foot of the last riser, at mid-width [m]
 };
+/// A closed triangle mesh from a file; a point p of the file is at scale p + translation.
 struct MeshShape {
-  std::filesystem::path file;   ///< .stl, .obj or .ply, closed; relative to the scene file
-  double scale = 1;
-  Vec3 translation{0, 0, 0};
+  std::filesystem::path file;  ///< .stl, .obj or .ply; in a scene file relative to that file's folder
+  double scale = 1;            ///< metres per unit of the file
+  Vec3 translation{0, 0, 0};   ///< [m]
 };
 
 /// A block of liquid, filled with particles on a cubic lattice.
 struct FluidBlock {
   std::variant<BoxShape, SphereShape> shape;
   Vec3 velocity{0, 0, 0};  ///< [m/s]
+  SourcePosition where;    ///< where the scene's file describes it
 };
+/// A rigid wall at rest.
 struct Wall {
   std::variant<BoxShape, StairsShape, MeshShape> shape;
+  SourcePosition where;  ///< where the scene's file describes it
 };
 
-/// How the surface is defined, meshed and tracked; lengths relative to the particle spacing or sigma, as stated.
+/// How the surface is defined, meshed and tracked; lengths relative to the particle spacing or sigma, as
+/// stated.
 struct SurfaceDescription {
-  double sigma = 2;                       ///< support radius of Eq. 12 in particle spacings
+  double sigma = 2;  ///< support radius of Eq. 12 in particle spacings
   WeightRule weights = WeightRule::uniform;
-  std::optional<double> threshold;        ///< T of Eq. 12; empty ("auto"): half the median of the field at the particles
-  double edge_length = 0.5;               ///< spacing of the first mesh's lattice in units of sigma
-  std::vector<std::string> methods;       ///< velocity methods to track with, from velocity_methods()
-  TrackerOptions tracker;                 ///< method is set from `methods`
-  int stride = 1;                         ///< solver steps per tracker step; a frame always ends one
+  std::optional<double>
+      threshold;             ///< T of Eq. 12; empty ("auto"): half the median of the field at the particles
+  double edge_length = 0.5;  ///< spacing of the first mesh's lattice in units of sigma
+  std::vector<std::string> methods{"total",
+                                   "curvature"};  ///< to track with, from velocity_methods(); may be empty
+  TrackerOptions tracker;                         ///< method is set from `methods`
+  int stride = 1;                                 ///< solver steps per tracker step; a frame always ends one
 };
 
 enum class TextureProjection { planar, spherical, box };
 
 struct OutputDescription {
   double frames_per_second = 25;
-  Vec3 report_axis{0, 0, 1};              ///< axis of rotation_captured, normalised
-  double checker_size = 4;                ///< edge of a checker cube in units of sigma
+  Vec3 report_axis{0, 0, 1};  ///< axis of rotation_captured, normalised
+  double checker_size = 4;    ///< edge of a checker cube in units of sigma
   TextureProjection texture = TextureProjection::box;
 };
 
 struct Scene {
   std::filesystem::path file;
-  std::string text;                       ///< of the file, verbatim
+  std::string text;  ///< of the file, verbatim
   std::string title;
-  double duration = 0;                    ///< [s]
+  double duration = 0;  ///< [s]
   FluidOptions fluid;
   std::vector<FluidBlock> blocks;
   std::vector<Wall> walls;
@@ -80,27 +89,35 @@ struct Scene {
   OutputDescription output;
 };
 
-/// Reads and checks a scene. Throws InvalidInput "file:line:column: found; allowed" for the first mistake: unknown key,
-/// wrong type, number out of range, missing file, fluid without particles or with more than 2^31 - 1.
+/// Reads and checks a scene, with the meshes that it names and the particles that it yields. Throws
+/// InvalidInput "file:line:column: found; allowed" for the first mistake.
 Scene load_scene(const std::filesystem::path& file);
 
-/// The particles of all blocks: positions and velocities [m, m/s]. A lattice point that an earlier block filled, or
-/// that lies inside a wall, is left out.
+/// The particles of all blocks, in the order of the blocks and x-fastest within one. Boxes are filled from
+/// their lower corner, spheres symmetrically about their centre, with one particle per spacing^3; a box's
+/// particles lie half a spacing or more inside its faces. Left out are lattice points less than half a
+/// spacing from a wall or inside it, and those within 0.9 spacings of an earlier block's particle.
 struct FluidParticlesAtStart {
-  std::vector<Vec3> position, velocity;
+  std::vector<Vec3> position;  ///< [m]
+  std::vector<Vec3> velocity;  ///< [m/s]
 };
+/// Throws InvalidInput for a block without particles, too many particles, or ones too far out for single
+/// precision.
 FluidParticlesAtStart fill_blocks(const Scene& scene);
 
-/// The walls as closed surfaces, oriented outward. Throws InvalidInput for a mesh that cannot be read or is not closed.
+/// The walls as closed surfaces, oriented outward. Throws InvalidInput for a mesh that cannot be read, is
+/// empty, or is not the closed and consistently oriented boundary of a solid.
 std::vector<TriangleSurface> wall_surfaces(const Scene& scene);
 
-/// What `kappaflow check` prints.
+/// What a run of the scene is expected to need.
 struct SceneEstimate {
-  std::size_t particles = 0;
-  std::size_t boundary_particles = 0;
-  std::size_t memory_bytes = 0;
-  double seconds = 0;        ///< expected wall time on this machine's threads
+  std::size_t particles = 0;           ///< of the liquid
+  std::size_t boundary_particles = 0;  ///< of the walls
+  std::size_t memory_bytes = 0;        ///< of the running program's arrays
+  double seconds = 0;                  ///< wall time
 };
+/// threads: on which the run will be, >= 1. The models and their constants stand in estimate.cpp; seconds are
+/// good to a factor of about two.
 SceneEstimate estimate(const Scene& scene, int threads);
 
 }  // namespace kappaflow

@@ -1,0 +1,114 @@
+// What a run will need: simple models, their constants in one place.
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "scenes/scene.h"
+#include "scenes/shapes.h"
+#include "surface/mesh/mesh_measures.h"
+
+namespace kappaflow {
+namespace {
+
+constexpr int kNeighbours = 33;            // in a full neighbourhood of radius 2 spacings: 4/3 pi 2^3
+constexpr double kBytesPerNeighbour = 20;  // index and a Vec4f
+constexpr double kBytesPerFluidParticle =
+    480;  // about twenty Vec4f and thirty floats, doubles of the output included
+constexpr double kBytesPerBoundaryParticle = 64;
+constexpr double kBytesPerFieldParticle =
+    160;  // position, velocity and weights at both ends of a step and at a stage
+constexpr double kBytesPerVertex = 400;   // mesh, rings, fairing, velocities of the stages, reported arrays
+constexpr double kVerticesPerCell = 1.5;  // of an isosurface per spacing^2 of area, averaged over directions
+constexpr double kSurfaceGrowth = 1.5;    // the liquid spreads: mean area over initial area
+
+// One core, one pass each.
+constexpr double kSolverSecondsPerParticleStep = 2e-6;
+constexpr double kTrackerSecondsPerVertexStage = 2e-6;      // a velocity
+constexpr double kTrackerSecondsPerVertexFairing = 0.7e-6;  // one iteration with its projection
+constexpr double kOutputSecondsPerParticle = 2e-6;          // a frame
+constexpr double kOutputSecondsPerVertex = 10e-6;           // a frame and method, measures included
+constexpr double kParallelShare = 0.9;                      // of the solver and the tracker (Amdahl 1967)
+
+/// The flow's typical speed is about half the largest that free fall over the scene's drop allows.
+constexpr double kTypicalSpeedShare = 0.5;
+
+double area(const BoxShape& box) {
+  const Vec3 d = box.upper - box.lower;
+  return 2 * (d.x() * d.y() + d.y() * d.z() + d.z() * d.x());
+}
+double area(const SphereShape& sphere) {
+  return 4 * M_PI * sphere.radius * sphere.radius;
+}
+
+/// Largest speed by the end [m/s]: free fall for the whole duration, but not further than from the highest
+/// particle to the lowest point of the walls.
+double fastest_speed(const Scene& scene, const FluidParticlesAtStart& particles,
+                     const std::vector<TriangleSurface>& walls) {
+  const Vec3& gravity = scene.fluid.gravity;
+  double fastest_start = 0, highest = -INFINITY, lowest = INFINITY;  // potentials -g . x [m2/s2]
+  for (const Vec3& v : particles.velocity) fastest_start = std::max(fastest_start, v.norm());
+  for (const Vec3& x : particles.position) highest = std::max(highest, -gravity.dot(x));
+  for (const TriangleSurface& wall : walls)
+    for (const Vec3& x : wall.vertices) lowest = std::min(lowest, -gravity.dot(x));
+  const double by_time = fastest_start + gravity.norm() * scene.duration;
+  const double by_drop = std::sqrt(fastest_start * fastest_start + 2 * std::max(0.0, highest - lowest));
+  return std::min(by_time, by_drop);
+}
+
+double solver_steps(const Scene& scene, double fastest) {
+  const FluidOptions& fluid = scene.fluid;
+  const double typical = std::max(kTypicalSpeedShare * fastest, 1e-9);
+  const double step =
+      std::clamp(fluid.cfl * fluid.spacing / typical, fluid.min_time_step, fluid.max_time_step);
+  return std::ceil(scene.duration / step);
+}
+
+double surface_vertices(const Scene& scene) {
+  double total = 0;
+  for (const FluidBlock& block : scene.blocks)
+    total += std::visit([](const auto& shape) { return area(shape); }, block.shape);
+  const double edge = scene.surface.edge_length * scene.surface.sigma * scene.fluid.spacing;
+  return kVerticesPerCell * kSurfaceGrowth * total / (edge * edge);
+}
+
+int stages(TimeIntegrator integrator) {
+  return integrator == TimeIntegrator::euler ? 1 : integrator == TimeIntegrator::rk2 ? 2 : 4;
+}
+
+double tracker_seconds(const Scene& scene, double vertices, double steps) {
+  const TrackerOptions& tracker = scene.surface.tracker;
+  const double a_vertex = stages(tracker.integrator) * kTrackerSecondsPerVertexStage +
+                          (tracker.fairing.iterations + 1) * kTrackerSecondsPerVertexFairing;
+  return vertices * static_cast<double>(scene.surface.methods.size()) * steps / scene.surface.stride *
+         a_vertex;
+}
+
+}  // namespace
+
+SceneEstimate estimate(const Scene& scene, int threads) {
+  const std::vector<TriangleSurface> walls = wall_surfaces(scene);
+  const FluidParticlesAtStart start = fill_blocks(scene);
+  double wall_area = 0;
+  for (const TriangleSurface& wall : walls) wall_area += area_and_volume(wall.vertices, wall.triangles).area;
+  const double particles = static_cast<double>(start.position.size());
+  const double boundary = wall_area / (scene.fluid.spacing * scene.fluid.spacing);
+  const double methods = static_cast<double>(scene.surface.methods.size()),
+               vertices = surface_vertices(scene);
+  const double frames = scene.duration * scene.output.frames_per_second + 1;
+  const double steps = solver_steps(scene, fastest_speed(scene, start, walls));
+
+  const double one_core =
+      steps * particles * kSolverSecondsPerParticleStep + tracker_seconds(scene, vertices, steps);
+  SceneEstimate result;
+  result.particles = start.position.size();
+  result.boundary_particles = static_cast<std::size_t>(boundary);
+  result.memory_bytes = static_cast<std::size_t>(
+      particles * (kNeighbours * kBytesPerNeighbour + kBytesPerFluidParticle + kBytesPerFieldParticle) +
+      boundary * kBytesPerBoundaryParticle + methods * vertices * kBytesPerVertex);
+  result.seconds =
+      one_core * (1 - kParallelShare + kParallelShare / threads) +
+      frames * (particles * kOutputSecondsPerParticle + methods * vertices * kOutputSecondsPerVertex);
+  return result;
+}
+
+}  // namespace kappaflow

@@ -1,0 +1,105 @@
+// The walls and the particles with which a scene starts.
+#include <fmt/format.h>
+
+#include "core/cell_grid.h"
+#include "scenes/mesh_file.h"
+#include "scenes/shapes.h"
+#include "scenes/wall_distance.h"
+
+namespace kappaflow {
+namespace {
+
+constexpr double kMaxParticles = 50e6;
+/// Particles start at least this far from a wall, in spacings: half a spacing, less rounding in mesh files.
+constexpr double kWallClearance = 0.499;
+constexpr double kBlockClearance = 0.9;
+/// Farthest coordinate in spacings: single precision then still resolves 1/100 of a spacing.
+constexpr double kFarthest = 1e5;
+
+std::vector<Vec3> checked_lattice(const FluidBlock& block, double spacing, std::size_t particles_before) {
+  const double size =
+      std::visit([&](const auto& shape) { return lattice_size(shape, spacing); }, block.shape);
+  if (!(static_cast<double>(particles_before) + size <= kMaxParticles))
+    throw InvalidInput(block.where,
+                       fmt::format("the liquid would have {:.3g} particles of spacing {} m; allowed: at most "
+                                   "{:.3g}, with a larger spacing or smaller blocks",
+                                   static_cast<double>(particles_before) + size, spacing, kMaxParticles));
+  std::vector<Vec3> points =
+      std::visit([&](const auto& shape) { return lattice_points(shape, spacing); }, block.shape);
+  if (points.empty())
+    throw InvalidInput(block.where,
+                       fmt::format("the block is too small to hold one particle; allowed: blocks larger than "
+                                   "the spacing, {} m",
+                                   spacing));
+  double farthest = 0;
+  for (const Vec3& x : points) farthest = std::max(farthest, x.lpNorm<Eigen::Infinity>());
+  if (farthest > kFarthest * spacing)
+    throw InvalidInput(
+        block.where, fmt::format("the block reaches {:.6g} m from the origin along an axis; allowed: at most "
+                                 "{:.0f} spacings, {:.6g} m",
+                                 farthest, kFarthest, kFarthest * spacing));
+  return points;
+}
+
+/// 1 for every point that may become a particle.
+std::vector<char> free_points(std::span<const Vec3> points, const WallDistance& walls,
+                              std::span<const Vec3> taken, double spacing) {
+  CellGrid grid;
+  const double clearance = kBlockClearance * spacing;
+  grid.build(taken, spacing);
+  std::vector<char> is_free(points.size());
+  parallel_for(points.size(), [&](std::size_t i) {
+    const Vec3& x = points[i];
+    bool crowded = walls.depth(x) > -kWallClearance * spacing;
+    grid.ranges_near(x, clearance, [&](std::uint32_t begin, std::uint32_t end) {
+      for (std::uint32_t k = begin; k < end; ++k)
+        crowded = crowded || (taken[grid.order()[k]] - x).squaredNorm() < clearance * clearance;
+    });
+    is_free[i] = !crowded;
+  });
+  return is_free;
+}
+
+TriangleSurface wall_surface(const BoxShape& box, const SourcePosition&) {
+  return box_surface(box);
+}
+TriangleSurface wall_surface(const StairsShape& stairs, const SourcePosition&) {
+  return stairs_surface(stairs);
+}
+TriangleSurface wall_surface(const MeshShape& mesh, const SourcePosition& where) {
+  TriangleSurface surface = read_closed_mesh(mesh.file, where);
+  for (Vec3& x : surface.vertices) x = mesh.scale * x + mesh.translation;
+  return surface;
+}
+
+}  // namespace
+
+std::vector<TriangleSurface> wall_surfaces(const Scene& scene) {
+  std::vector<TriangleSurface> surfaces;
+  for (const Wall& wall : scene.walls)
+    surfaces.push_back(
+        std::visit([&](const auto& shape) { return wall_surface(shape, wall.where); }, wall.shape));
+  return surfaces;
+}
+
+FluidParticlesAtStart fill_blocks(const Scene& scene) {
+  const double spacing = scene.fluid.spacing;
+  const WallDistance walls(wall_surfaces(scene));
+  FluidParticlesAtStart particles;
+  for (const FluidBlock& block : scene.blocks) {
+    const std::vector<Vec3> points = checked_lattice(block, spacing, particles.position.size());
+    const std::vector<char> is_free = free_points(points, walls, particles.position, spacing);
+    const std::size_t before = particles.position.size();
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if (is_free[i]) particles.position.push_back(points[i]);
+    if (particles.position.size() == before)
+      throw InvalidInput(
+          block.where,
+          "no particle of the block is free: all lie in a wall, within half a spacing of one, or "
+          "in an earlier block; allowed: a block with room for one particle");
+    particles.velocity.resize(particles.position.size(), block.velocity);
+  }
+  return particles;
+}
+
+}  // namespace kappaflow

@@ -1,0 +1,17 @@
+// Reading a wall from a mesh file.
+#pragma once
+
+#include <filesystem>
+
+#include "core/errors.h"
+#include "core/types.h"
+
+namespace kappaflow {
+
+/// The triangles of an .stl, .obj or .ply file in the file's own units, polygons cut into triangles, equal
+/// points merged; closed, and oriented outward whichever way the file has it. Throws InvalidInput at `where`
+/// (the scene that names the file) when it cannot be read, has no triangles or degenerate ones, or is not the
+/// consistently oriented boundary of a solid.
+TriangleSurface read_closed_mesh(const std::filesystem::path& file, const SourcePosition& where);
+
+}  // namespace kappaflow

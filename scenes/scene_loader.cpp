@@ -1,0 +1,219 @@
+// Reads a scene: one function a table of the file. Start reading at load_scene().
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "scenes/scene.h"
+#include "scenes/toml_reader.h"
+
+namespace kappaflow {
+namespace {
+
+// Bounds that no sensible scene meets; they keep what is computed from the numbers finite in single
+// precision.
+constexpr double kMaxLength = 1e6;     // [m]
+constexpr double kMaxSpeed = 1e4;      // [m/s]
+constexpr double kMaxDensity = 1e6;    // [kg/m3]
+constexpr double kMaxViscosity = 1e9;  // [m2/s]
+constexpr double kMaxTime = 1e6;       // [s]
+constexpr double kMaxFrames = 1e6;
+constexpr int kMaxIterations = 100000;
+
+NumberRange length() {
+  return positive("m", kMaxLength);
+}
+
+BoxShape read_box(TomlTable& t) {
+  BoxShape box{t.vector("lower", "m"), t.vector("upper", "m")};
+  t.finish();
+  if (!(box.lower.array() < box.upper.array()).all())
+    t.refuse("upper", fmt::format("a corner above lower, [{}, {}, {}] [m], in every component", box.lower[0],
+                                  box.lower[1], box.lower[2]));
+  return box;
+}
+
+SphereShape read_sphere(TomlTable& t) {
+  SphereShape sphere{t.vector("center", "m"), t.number("radius", length())};
+  t.finish();
+  return sphere;
+}
+
+StairsShape read_stairs(TomlTable& t) {
+  StairsShape stairs;
+  stairs.steps = t.integer("steps", 1, 10000, stairs.steps);
+  stairs.rise = t.number("rise", length());
+  stairs.run = t.number("run", length());
+  stairs.landing = t.number("landing", length());
+  stairs.floor = t.number("floor", length());
+  stairs.width = t.number("width", length());
+  stairs.thickness = t.number("thickness", length());
+  stairs.origin = t.vector("origin", "m", stairs.origin);
+  t.finish();
+  return stairs;
+}
+
+MeshShape read_mesh(TomlTable& t) {
+  MeshShape mesh;
+  const std::filesystem::path file = t.text("file");
+  mesh.scale = t.number("scale", positive("m", kMaxLength), mesh.scale);
+  mesh.translation = t.vector("translation", "m", mesh.translation);
+  t.finish();
+  mesh.file = std::filesystem::path(t.where().file).parent_path() / file;
+  return mesh;
+}
+
+FluidBlock read_block(TomlTable t) {
+  enum class Kind { box, sphere };
+  static constexpr Named<Kind> kKinds[] = {{"box", Kind::box}, {"sphere", Kind::sphere}};
+  FluidBlock block;
+  block.where = t.where();
+  const Kind kind = t.choice("shape", kKinds, {});
+  block.velocity = t.vector("velocity", "m/s", block.velocity);
+  if (kind == Kind::box)
+    block.shape = read_box(t);
+  else
+    block.shape = read_sphere(t);
+  if (block.velocity.norm() > kMaxSpeed)
+    t.refuse("velocity", fmt::format("at most {} m/s in length", kMaxSpeed));
+  return block;
+}
+
+Wall read_wall(TomlTable t) {
+  enum class Kind { box, stairs, mesh };
+  static constexpr Named<Kind> kKinds[] = {
+      {"box", Kind::box}, {"stairs", Kind::stairs}, {"mesh", Kind::mesh}};
+  const SourcePosition where = t.where();
+  switch (t.choice("shape", kKinds, {})) {
+    case Kind::stairs:
+      return {read_stairs(t), where};
+    case Kind::mesh:
+      return {read_mesh(t), where};
+    default:
+      return {read_box(t), where};
+  }
+}
+
+/// kinematic_viscosity [m2/s], or dynamic_viscosity [Pa s] over the density; exactly one of them.
+double read_viscosity(TomlTable& t, double density) {
+  const bool dynamic = t.has("dynamic_viscosity"), kinematic = t.has("kinematic_viscosity");
+  if (dynamic && kinematic)
+    t.refuse("dynamic_viscosity", "either kinematic_viscosity or dynamic_viscosity, not both");
+  if (dynamic) return t.number("dynamic_viscosity", non_negative("Pa s", kMaxViscosity)) / density;
+  return t.number("kinematic_viscosity", non_negative("m2/s", kMaxViscosity));
+}
+
+void read_fluid(TomlTable t, FluidOptions& fluid, std::vector<FluidBlock>& blocks) {
+  fluid.spacing = t.number("spacing", length());
+  fluid.density = t.number("density", positive("kg/m3", kMaxDensity), fluid.density);
+  fluid.kinematic_viscosity = read_viscosity(t, fluid.density);
+  fluid.boundary_viscosity =
+      t.number("boundary_viscosity", non_negative("m2/s", kMaxViscosity), fluid.kinematic_viscosity);
+  fluid.gravity = t.vector("gravity", "m/s2", fluid.gravity);
+  std::vector<TomlTable> tables = t.tables("block", true);
+  t.finish();
+  if (fluid.gravity.norm() > kMaxSpeed)
+    t.refuse("gravity", fmt::format("at most {} m/s2 in length", kMaxSpeed));
+  for (TomlTable& table : tables) blocks.push_back(read_block(std::move(table)));
+}
+
+void read_solver(TomlTable t, FluidOptions& fluid) {
+  fluid.cfl = t.number("cfl", positive("", 1), fluid.cfl);
+  fluid.min_time_step = t.number("min_time_step", positive("s", kMaxTime), fluid.min_time_step);
+  fluid.max_time_step = t.number("max_time_step", positive("s", kMaxTime), fluid.max_time_step);
+  fluid.density_tolerance = t.number("density_tolerance", positive("", 1), fluid.density_tolerance);
+  fluid.divergence_tolerance = t.number("divergence_tolerance", positive("", 1), fluid.divergence_tolerance);
+  fluid.max_pressure_iterations =
+      t.integer("max_pressure_iterations", 1, kMaxIterations, fluid.max_pressure_iterations);
+  fluid.viscosity_tolerance = t.number("viscosity_tolerance", positive("", 1), fluid.viscosity_tolerance);
+  fluid.max_viscosity_iterations =
+      t.integer("max_viscosity_iterations", 1, kMaxIterations, fluid.max_viscosity_iterations);
+  t.finish();
+  if (fluid.min_time_step > fluid.max_time_step)
+    t.refuse(t.has("max_time_step") ? "max_time_step" : "min_time_step",
+             fmt::format("min_time_step <= max_time_step, here {} and {} [s]", fluid.min_time_step,
+                         fluid.max_time_step));
+}
+
+void read_tracker(TomlTable& t, TrackerOptions& tracker) {
+  static constexpr Named<TimeIntegrator> kIntegrators[] = {
+      {"euler", TimeIntegrator::euler}, {"rk2", TimeIntegrator::rk2}, {"rk4", TimeIntegrator::rk4}};
+  VelocityOptions& velocity = tracker.velocity;
+  ProjectionOptions& projection = tracker.projection;
+  FairingOptions& fairing = tracker.fairing;
+  tracker.integrator = t.choice("integrator", kIntegrators, std::optional(tracker.integrator));
+  velocity.damping = t.number("damping", positive("", 1e3), velocity.damping);
+  velocity.speed_limit = t.number("speed_limit", positive("", 1e3), velocity.speed_limit);
+  projection.tolerance = t.number("projection_tolerance", positive("sigma", 0.01), projection.tolerance);
+  projection.step_limit = t.number("projection_step_limit", positive("sigma", 1), projection.step_limit);
+  projection.reach = t.number("projection_reach", positive("sigma", 10), projection.reach);
+  projection.iterations = t.integer("projection_iterations", 1, kMaxIterations, projection.iterations);
+  fairing.iterations = t.integer("fairing_iterations", 0, kMaxIterations, fairing.iterations);
+  fairing.relaxation = t.number("fairing_relaxation", positive("", 1), fairing.relaxation);
+  fairing.rest_length_time = t.number("rest_length_time", positive("s", kMaxTime), fairing.rest_length_time);
+}
+
+void read_surface(TomlTable t, SurfaceDescription& surface) {
+  static constexpr Named<WeightRule> kWeights[] = {{"uniform", WeightRule::uniform},
+                                                   {"normalised", WeightRule::normalised}};
+  static constexpr Named<std::optional<double>> kAutomatic[] = {{"auto", std::nullopt}};
+  std::vector<std::string_view> methods;
+  for (const VelocityMethod& method : velocity_methods()) methods.push_back(method.name);
+
+  // Below 1.5 spacings neighbouring particles hardly overlap; above 4 a particle has hundreds of neighbours.
+  surface.sigma = t.number("sigma", {1.2, 6, false, "spacings"}, surface.sigma);
+  surface.weights = t.choice("weights", kWeights, std::optional(surface.weights));
+  if (t.is_text("threshold"))
+    surface.threshold = t.choice("threshold", kAutomatic);
+  else if (t.has("threshold"))
+    surface.threshold = t.number("threshold", positive("", 100));
+  surface.edge_length = t.number("edge_length", {0.05, 2, false, "sigma"}, surface.edge_length);
+  surface.methods = t.names("methods", methods, surface.methods);
+  surface.stride = t.integer("stride", 1, kMaxIterations, surface.stride);
+  read_tracker(t, surface.tracker);
+  t.finish();
+}
+
+void read_output(TomlTable t, double duration, OutputDescription& output) {
+  static constexpr Named<TextureProjection> kProjections[] = {{"planar", TextureProjection::planar},
+                                                              {"spherical", TextureProjection::spherical},
+                                                              {"box", TextureProjection::box}};
+  output.frames_per_second =
+      t.number("frames_per_second", positive("1/s", kMaxFrames), output.frames_per_second);
+  output.report_axis = t.vector("report_axis", "", output.report_axis);
+  output.checker_size = t.number("checker_size", positive("sigma", 1e3), output.checker_size);
+  output.texture = t.choice("texture", kProjections, std::optional(output.texture));
+  t.finish();
+  if (!(output.report_axis.norm() > 1e-12)) t.refuse("report_axis", "a direction, not the zero vector");
+  output.report_axis.normalize();
+  if (const double frames = duration * output.frames_per_second; frames > kMaxFrames)
+    throw InvalidInput(
+        t.where(), fmt::format("duration and frames_per_second make {:.3g} frames; allowed: at most {:.0f}",
+                               frames, kMaxFrames));
+}
+
+}  // namespace
+
+Scene load_scene(const std::filesystem::path& file) {
+  Scene scene;
+  scene.file = file;
+  scene.text = read_small_text_file(file);
+  const toml::table document = parse_toml(scene.text, file);
+
+  TomlTable root(document, "the scene", file.string());
+  scene.title = root.text("title", file.stem().string());
+  scene.duration = root.number("duration", positive("s", kMaxTime));
+  TomlTable fluid = root.table("fluid", true), solver = root.table("solver"), surface = root.table("surface"),
+            output = root.table("output");
+  std::vector<TomlTable> walls = root.tables("wall");
+  root.finish();
+
+  read_fluid(std::move(fluid), scene.fluid, scene.blocks);
+  for (TomlTable& wall : walls) scene.walls.push_back(read_wall(std::move(wall)));
+  read_solver(std::move(solver), scene.fluid);
+  read_surface(std::move(surface), scene.surface);
+  read_output(std::move(output), scene.duration, scene.output);
+  fill_blocks(scene);  // throws where the meshes or the particles are not what a run needs
+  return scene;
+}
+
+}  // namespace kappaflow

@@ -1,0 +1,96 @@
+#include "scenes/shapes.h"
+
+#include <cmath>
+
+namespace kappaflow {
+namespace {
+
+/// Rounding that a length in spacings may have and still count as whole.
+constexpr double kWhole = 1e-6;
+
+/// The prism over a polygon in the x-y plane, from z = lower to z = upper: corner k is vertex 2k at lower and
+/// 2k + 1 at upper. The polygon runs counter-clockwise and is star-shaped from its corner 0, so a fan fills
+/// the two ends.
+TriangleSurface prism(const std::vector<Vec2>& polygon, double lower, double upper) {
+  TriangleSurface surface;
+  const int n = static_cast<int>(polygon.size());
+  for (const Vec2& p : polygon) {
+    surface.vertices.emplace_back(p.x(), p.y(), lower);
+    surface.vertices.emplace_back(p.x(), p.y(), upper);
+  }
+  for (int k = 0; k < n; ++k) {
+    const int a = 2 * k, b = 2 * ((k + 1) % n);
+    surface.triangles.push_back({a, b, b + 1});
+    surface.triangles.push_back({a, b + 1, a + 1});
+  }
+  for (int k = 1; k + 1 < n; ++k) {
+    surface.triangles.push_back({1, 2 * k + 1, 2 * k + 3});
+    surface.triangles.push_back({0, 2 * k + 2, 2 * k});
+  }
+  return surface;
+}
+
+template <class Keep>
+std::vector<Vec3> lattice(const Vec3& first, const std::array<std::int64_t, 3>& count, double spacing,
+                          const Keep& keep) {
+  std::vector<Vec3> points;
+  for (std::int64_t k = 0; k < count[2]; ++k)
+    for (std::int64_t j = 0; j < count[1]; ++j)
+      for (std::int64_t i = 0; i < count[0]; ++i)
+        if (const Vec3 x = first + spacing * Vec3(double(i), double(j), double(k)); keep(x))
+          points.push_back(x);
+  return points;
+}
+
+Vec3 whole_cells(const BoxShape& box, double spacing) {
+  return ((box.upper - box.lower) / spacing + Vec3::Constant(kWhole)).array().floor();
+}
+
+double half_cells(const SphereShape& sphere, double spacing) {
+  return std::floor(sphere.radius / spacing + 0.5);
+}
+
+}  // namespace
+
+TriangleSurface box_surface(const BoxShape& box) {
+  const Vec3 &a = box.lower, &b = box.upper;
+  return prism({{a.x(), a.y()}, {b.x(), a.y()}, {b.x(), b.y()}, {a.x(), b.y()}}, a.z(), b.z());
+}
+
+TriangleSurface stairs_surface(const StairsShape& stairs) {
+  const Vec3& origin = stairs.origin;
+  const double start = origin.x() - (stairs.steps - 1) * stairs.run - stairs.landing;
+  const double bottom = origin.y() - stairs.thickness, end = origin.x() + stairs.floor;
+  std::vector<Vec2> profile{{start, bottom}, {end, bottom}, {end, origin.y()}};
+  for (int riser = 0; riser < stairs.steps; ++riser) {  // upwards from the floor
+    const double x = origin.x() - riser * stairs.run, y = origin.y() + riser * stairs.rise;
+    profile.emplace_back(x, y);
+    profile.emplace_back(x, y + stairs.rise);
+  }
+  profile.emplace_back(start, origin.y() + stairs.steps * stairs.rise);
+  return prism(profile, origin.z() - stairs.width / 2, origin.z() + stairs.width / 2);
+}
+
+double lattice_size(const BoxShape& box, double spacing) {
+  return whole_cells(box, spacing).prod();
+}
+
+double lattice_size(const SphereShape& sphere, double spacing) {
+  return std::pow(2 * half_cells(sphere, spacing), 3);
+}
+
+std::vector<Vec3> lattice_points(const BoxShape& box, double spacing) {
+  const Vec3 cells = whole_cells(box, spacing);
+  const std::array<std::int64_t, 3> count{std::int64_t(cells[0]), std::int64_t(cells[1]),
+                                          std::int64_t(cells[2])};
+  return lattice(box.lower + Vec3::Constant(spacing / 2), count, spacing, [](const Vec3&) { return true; });
+}
+
+std::vector<Vec3> lattice_points(const SphereShape& sphere, double spacing) {
+  const double cells = half_cells(sphere, spacing);
+  const auto count = std::int64_t(2 * cells);
+  return lattice(sphere.center - Vec3::Constant((cells - 0.5) * spacing), {count, count, count}, spacing,
+                 [&](const Vec3& x) { return (x - sphere.center).norm() <= sphere.radius * (1 + kWhole); });
+}
+
+}  // namespace kappaflow

@@ -1,0 +1,25 @@
+// Shapes of walls as triangle surfaces, and shapes of liquid as sets of points.
+#pragma once
+
+#include <vector>
+
+#include "scenes/scene.h"
+
+namespace kappaflow {
+
+/// Closed, manifold, without T-junctions, oriented outward. Requires lower < upper in every component.
+TriangleSurface box_surface(const BoxShape& box);
+
+/// Likewise, one solid for the whole flight. Requires steps >= 1 and every length > 0.
+TriangleSurface stairs_surface(const StairsShape& stairs);
+
+/// An upper bound of the number of lattice points of the shape, as a number that cannot overflow.
+double lattice_size(const BoxShape& box, double spacing);
+double lattice_size(const SphereShape& sphere, double spacing);
+
+/// Points of a cubic lattice in the shape, x-fastest: in a box at lower + (i + 1/2) spacing with all cells
+/// inside the box, in a sphere at center + (i + 1/2) spacing no further than the radius.
+std::vector<Vec3> lattice_points(const BoxShape& box, double spacing);
+std::vector<Vec3> lattice_points(const SphereShape& sphere, double spacing);
+
+}  // namespace kappaflow

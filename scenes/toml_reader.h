@@ -1,0 +1,111 @@
+// Typed reading of TOML: every value is checked where it is read, and every mistake names line, column and
+// what is allowed.
+#pragma once
+
+#include <toml++/toml.h>
+
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/errors.h"
+#include "core/types.h"
+
+namespace kappaflow {
+
+/// The numbers that a key accepts; always finite.
+struct NumberRange {
+  double lower = -std::numeric_limits<double>::infinity();
+  double upper = std::numeric_limits<double>::infinity();
+  bool without_lower = false;  ///< the lower end itself is not allowed
+  std::string_view unit;       ///< shown in messages; empty: dimensionless
+
+  bool contains(double x) const {
+    return std::isfinite(x) && x <= upper && (without_lower ? x > lower : x >= lower);
+  }
+};
+
+inline constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+constexpr NumberRange positive(std::string_view unit, double upper = kUnbounded) {
+  return {0, upper, true, unit};
+}
+constexpr NumberRange non_negative(std::string_view unit, double upper = kUnbounded) {
+  return {0, upper, false, unit};
+}
+
+/// A name in a scene and the value that it stands for.
+template <class T>
+struct Named {
+  std::string_view name;
+  T value;
+};
+
+/// A text file in memory. Throws InvalidInput when it is missing, no text file, or larger than 1 MiB.
+std::string read_small_text_file(const std::filesystem::path& file);
+
+/// Parses TOML. Throws InvalidInput with line and column at the first mistake in the syntax.
+toml::table parse_toml(std::string_view text, const std::filesystem::path& file);
+
+/// One table of a TOML document while it is read. Reading a key makes it an allowed one; finish() then
+/// reports the keys that nobody read and the required ones that are missing. A value of the wrong type or out
+/// of range is an InvalidInput at once. The document must outlive it.
+class TomlTable {
+ public:
+  /// name: as messages show it, e.g. "[fluid]".
+  TomlTable(const toml::table& table, std::string name, std::string file);
+
+  // Without a fallback a key is required; where it is missing a placeholder is returned and finish() throws.
+  double number(std::string_view key, const NumberRange& range, std::optional<double> fallback = {});
+  int integer(std::string_view key, int lower, int upper, std::optional<int> fallback = {});
+  Vec3 vector(std::string_view key, std::string_view unit, const std::optional<Vec3>& fallback = {});
+  std::string text(std::string_view key, const std::optional<std::string>& fallback = {});
+  /// Distinct strings, each one of `allowed`.
+  std::vector<std::string> names(std::string_view key, std::span<const std::string_view> allowed,
+                                 const std::vector<std::string>& fallback);
+  template <class T, std::size_t N>
+  T choice(std::string_view key, const Named<T> (&values)[N], const std::optional<T>& fallback = {});
+
+  /// The table [key]; an empty one where it is missing and not required.
+  TomlTable table(std::string_view key, bool required = false);
+  /// The tables [[key]], in the order of the file; none where it is missing and not required.
+  std::vector<TomlTable> tables(std::string_view key, bool required = false);
+
+  bool has(std::string_view key) { return find(key) != nullptr; }
+  bool is_text(std::string_view key);
+  SourcePosition where() const;
+  SourcePosition where(std::string_view key) const;
+
+  /// Throws InvalidInput for an unknown key (with the nearest allowed one), then for a missing one.
+  void finish() const;
+
+  /// Throws InvalidInput "KEY in [TABLE] is FOUND; allowed: ALLOWED" at the key's value, which must be there.
+  [[noreturn]] void refuse(std::string_view key, std::string_view allowed) const;
+
+ private:
+  const toml::node* find(std::string_view key);
+  const toml::node* find(std::string_view key, bool required, std::string_view allowed);
+  std::string child_name(std::string_view key) const;
+  [[noreturn]] void refuse(std::string_view key, const toml::node& value, std::string_view allowed) const;
+  std::optional<std::size_t> name_index(std::string_view key, std::span<const std::string_view> allowed,
+                                        bool required);
+
+  const toml::table* table_;
+  std::string name_, file_;
+  std::vector<std::string> known_;
+  std::string first_missing_;  // its message; empty: none
+};
+
+template <class T, std::size_t N>
+T TomlTable::choice(std::string_view key, const Named<T> (&values)[N], const std::optional<T>& fallback) {
+  std::vector<std::string_view> names;
+  for (const Named<T>& v : values) names.push_back(v.name);
+  const auto index = name_index(key, names, !fallback);
+  return index ? values[*index].value : fallback.value_or(values[0].value);
+}
+
+}  // namespace kappaflow

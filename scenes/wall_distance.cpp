@@ -1,0 +1,200 @@
+// Nearest point on a triangle after Ericson, "Real-Time Collision Detection", 2005, section 5.1.5; the sign
+// after Baerentzen & Aanaes, "Signed distance computation using the angle weighted pseudonormal", 2005.
+#include "scenes/wall_distance.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+namespace kappaflow {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr int kLeafTriangles = 4;
+constexpr std::size_t kMaxTreeDepth = 64;  // the median split halves the triangles, so 2^64 would fit
+
+/// The parts of a triangle that can be nearest; edge k runs from corner k to corner k + 1.
+enum Feature { corner_0, corner_1, corner_2, edge_0, edge_1, edge_2, face };
+
+struct WallTriangle {
+  std::array<Vec3, 3> corner;
+  std::array<Vec3, 7> normal;  // pseudonormal of each Feature; its length does not matter
+};
+
+struct Nearest {
+  Vec3 point;
+  Feature feature;
+};
+
+Nearest nearest_on_triangle(const WallTriangle& triangle, const Vec3& x) {
+  const auto& [a, b, c] = triangle.corner;
+  const Vec3 ab = b - a, ac = c - a, ax = x - a, bx = x - b, cx = x - c;
+  const double d1 = ab.dot(ax), d2 = ac.dot(ax);
+  if (d1 <= 0 && d2 <= 0) return {a, corner_0};
+  const double d3 = ab.dot(bx), d4 = ac.dot(bx);
+  if (d3 >= 0 && d4 <= d3) return {b, corner_1};
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return {a + d1 / (d1 - d3) * ab, edge_0};
+  const double d5 = ab.dot(cx), d6 = ac.dot(cx);
+  if (d6 >= 0 && d5 <= d6) return {c, corner_2};
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return {a + d2 / (d2 - d6) * ac, edge_2};
+  const double va = d3 * d6 - d5 * d4;
+  if (va <= 0 && d4 >= d3 && d5 >= d6) return {b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b), edge_1};
+  const double scale = 1 / (va + vb + vc);
+  return {a + vb * scale * ab + vc * scale * ac, face};
+}
+
+double angle_at(const Vec3& corner, const Vec3& p, const Vec3& q) {
+  const Vec3 u = p - corner, v = q - corner;
+  return std::atan2(u.cross(v).norm(), u.dot(v));
+}
+
+/// One entry per triangle side, sorted so that the two sides of an edge follow each other.
+struct Side {
+  std::pair<int, int> edge;  // smaller vertex first
+  std::size_t triangle;
+  int k;
+};
+
+std::vector<Side> sorted_sides(const TriangleSurface& surface) {
+  std::vector<Side> sides;
+  sides.reserve(3 * surface.triangles.size());
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      const int a = surface.triangles[t][k], b = surface.triangles[t][(k + 1) % 3];
+      sides.push_back({std::minmax({a, b}), t, k});
+    }
+  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+    return std::tie(a.edge, a.triangle, a.k) < std::tie(b.edge, b.triangle, b.k);
+  });
+  return sides;
+}
+
+/// The triangles with the pseudonormals of their faces, edges (sum of both sides' normals) and corners (sum
+/// over the triangles around, weighted with their angles there).
+std::vector<WallTriangle> with_normals(const TriangleSurface& surface) {
+  std::vector<WallTriangle> triangles(surface.triangles.size());
+  std::vector<Vec3> vertex_normal(surface.vertices.size(), Vec3::Zero());
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    auto& [corner, normal] = triangles[t];
+    for (int k = 0; k < 3; ++k) corner[k] = surface.vertices[surface.triangles[t][k]];
+    normal[face] = (corner[1] - corner[0]).cross(corner[2] - corner[0]).normalized();
+    for (int k = 0; k < 3; ++k)
+      vertex_normal[surface.triangles[t][k]] +=
+          angle_at(corner[k], corner[(k + 1) % 3], corner[(k + 2) % 3]) * normal[face];
+  }
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (int k = 0; k < 3; ++k) triangles[t].normal[corner_0 + k] = vertex_normal[surface.triangles[t][k]];
+
+  const std::vector<Side> sides = sorted_sides(surface);
+  for (std::size_t first = 0, last = 0; first < sides.size(); first = last) {
+    Vec3 sum = Vec3::Zero();
+    for (; last < sides.size() && sides[last].edge == sides[first].edge; ++last)
+      sum += triangles[sides[last].triangle].normal[face];
+    for (std::size_t s = first; s < last; ++s) triangles[sides[s].triangle].normal[edge_0 + sides[s].k] = sum;
+  }
+  return triangles;
+}
+
+struct TreeNode {
+  Vec3 lower = Vec3::Constant(kInfinity), upper = Vec3::Constant(-kInfinity);
+  std::uint32_t begin = 0, end = 0;  // triangles of a leaf
+  std::uint32_t second = 0;          // the second child; the first follows its parent; 0: a leaf
+
+  double squared_distance(const Vec3& x) const {
+    return (lower - x).cwiseMax(x - upper).cwiseMax(0).squaredNorm();
+  }
+};
+
+}  // namespace
+
+class WallDistance::Solid {
+ public:
+  explicit Solid(const TriangleSurface& surface) : triangles_(with_normals(surface)) {
+    if (!triangles_.empty()) build(0, static_cast<std::uint32_t>(triangles_.size()));
+  }
+
+  double depth(const Vec3& x) const;
+
+ private:
+  std::uint32_t build(std::uint32_t begin, std::uint32_t end);
+  void split(std::uint32_t begin, std::uint32_t end, const TreeNode& node);
+
+  std::vector<WallTriangle> triangles_;  // in the order of the leaves
+  std::vector<TreeNode> nodes_;
+};
+
+std::uint32_t WallDistance::Solid::build(std::uint32_t begin, std::uint32_t end) {
+  const auto index = static_cast<std::uint32_t>(nodes_.size());
+  TreeNode node;
+  node.begin = begin;
+  node.end = end;
+  for (std::uint32_t t = begin; t < end; ++t)
+    for (const Vec3& corner : triangles_[t].corner) {
+      node.lower = node.lower.cwiseMin(corner);
+      node.upper = node.upper.cwiseMax(corner);
+    }
+  nodes_.push_back(node);
+  if (end - begin <= kLeafTriangles) return index;
+  split(begin, end, node);
+  const std::uint32_t middle = begin + (end - begin) / 2;
+  build(begin, middle);
+  const std::uint32_t second = build(middle, end);
+  nodes_[index].second = second;
+  return index;
+}
+
+void WallDistance::Solid::split(std::uint32_t begin, std::uint32_t end, const TreeNode& node) {
+  Eigen::Index axis = 0;
+  (node.upper - node.lower).maxCoeff(&axis);
+  const auto center = [axis](const WallTriangle& t) {
+    return t.corner[0][axis] + t.corner[1][axis] + t.corner[2][axis];
+  };
+  std::nth_element(triangles_.begin() + begin, triangles_.begin() + begin + (end - begin) / 2,
+                   triangles_.begin() + end,
+                   [&](const WallTriangle& a, const WallTriangle& b) { return center(a) < center(b); });
+}
+
+double WallDistance::Solid::depth(const Vec3& x) const {
+  double least = kInfinity;
+  Vec3 offset = Vec3::Zero(), normal = Vec3::Zero();
+  std::array<std::uint32_t, kMaxTreeDepth> stack{0};
+  for (std::size_t size = nodes_.empty() ? 0 : 1; size > 0;) {
+    const std::uint32_t index = stack[--size];
+    const TreeNode& node = nodes_[index];
+    if (node.squared_distance(x) > least) continue;
+    if (node.second != 0) {  // the nearer child comes off the stack first
+      const bool swap = nodes_[node.second].squared_distance(x) < nodes_[index + 1].squared_distance(x);
+      stack[size++] = swap ? index + 1 : node.second;
+      stack[size++] = swap ? node.second : index + 1;
+      continue;
+    }
+    for (std::uint32_t t = node.begin; t < node.end; ++t) {
+      const auto [point, feature] = nearest_on_triangle(triangles_[t], x);
+      if (const double distance = (x - point).squaredNorm(); distance < least) {
+        least = distance;
+        offset = x - point;
+        normal = triangles_[t].normal[feature];
+      }
+    }
+  }
+  return std::copysign(std::sqrt(least), -offset.dot(normal));
+}
+
+WallDistance::WallDistance(std::span<const TriangleSurface> walls) : solids_(walls.begin(), walls.end()) {}
+WallDistance::~WallDistance() = default;
+WallDistance::WallDistance(WallDistance&&) noexcept = default;
+WallDistance& WallDistance::operator=(WallDistance&&) noexcept = default;
+
+double WallDistance::depth(const Vec3& x) const {
+  double deepest = -kInfinity;
+  for (const Solid& solid : solids_) deepest = std::max(deepest, solid.depth(x));
+  return deepest;
+}
+
+}  // namespace kappaflow
