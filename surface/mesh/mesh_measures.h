@@ -10,6 +10,9 @@ namespace kappaflow {
 
 /// A third of the area of the triangles around each vertex [m2]; the sum is the mesh's area.
 std::vector<double> vertex_areas(std::span<const Vec3> position, std::span<const Triangle> triangles);
+/// The same into `area`, one entry a vertex.
+void vertex_areas(std::span<const Vec3> position, std::span<const Triangle> triangles,
+                  std::span<double> area);
 
 /// Area [m2] and signed enclosed volume [m3], positive when oriented outward.
 struct AreaAndVolume {
@@ -18,7 +21,8 @@ struct AreaAndVolume {
 };
 AreaAndVolume area_and_volume(std::span<const Vec3> position, std::span<const Triangle> triangles);
 
-/// 2 inradius / circumradius = 8 (s-a)(s-b)(s-c) / (abc) in [0, 1]; 1 for an equilateral triangle, 0 for a degenerate one.
+/// 2 inradius / circumradius = 8 (s-a)(s-b)(s-c) / (abc) in [0, 1]; 1 for an equilateral triangle, 0 for a
+/// degenerate one.
 double triangle_quality(const Vec3& a, const Vec3& b, const Vec3& c);
 
 struct QualityRange {
@@ -34,7 +38,8 @@ struct MeshTopology {
 };
 
 /// Topology of a closed mesh; vertices that no triangle uses do not count.
-/// Throws TopologyError where an edge does not have exactly two triangles that run along it in opposite directions.
+/// Throws TopologyError where an edge does not have exactly two triangles that run along it in opposite
+/// directions.
 MeshTopology mesh_topology(std::span<const Vec3> position, std::span<const Triangle> triangles);
 
 /// The connected piece of each vertex, numbered from 0 by first vertex.

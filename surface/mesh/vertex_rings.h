@@ -8,10 +8,10 @@
 
 namespace kappaflow {
 
-/// One-ring neighbours in compressed rows: those of vertex v are neighbour[start[v]] ... neighbour[start[v+1]-1],
-/// in ascending order.
+/// One-ring neighbours in compressed rows: those of vertex v are neighbour[start[v]] ...
+/// neighbour[start[v+1]-1], in ascending order.
 struct VertexRings {
-  std::vector<int> start;      // vertices + 1 entries
+  std::vector<int> start;  // vertices + 1 entries
   std::vector<int> neighbour;
 
   std::span<const int> of(int v) const {

@@ -10,22 +10,32 @@
 namespace kappaflow {
 
 struct FairingOptions {
-  int iterations = 10;                 ///< relaxations a step; 0 switches fairing off
-  double relaxation = 0.5;             ///< share of the way to the springs' equilibrium that an iteration goes, in (0, 1]
-  double rest_length_time = 0.5;       ///< rest lengths follow the current lengths with this time constant [s]
+  int iterations = 10;  ///< relaxations a step; 0 switches fairing off
+  double relaxation =
+      0.5;  ///< share of the way to the springs' equilibrium that an iteration goes, in (0, 1]
+  double rest_length_time = 0.5;  ///< rest lengths follow the current lengths with this time constant [s]
 };
 
-/// Rest lengths of the springs, parallel to VertexRings::neighbour [m].
+/// Rest lengths of the springs, parallel to VertexRings::neighbour [m], and scratch that is kept between
+/// steps.
 struct FairingState {
   std::vector<double> rest_length;
+  std::vector<Vec3> gradient;        ///< grad f at the vertices after the last projection
+  std::vector<Vec3> moved_position;  ///< the vertices of an iteration in the making
 };
 
 /// Rest lengths = the current edge lengths.
 FairingState fairing_state(const TriangleMesh& mesh, const VertexRings& rings);
 
-/// Runs the iterations: every vertex moves from the same old state (Jacobi), so the order does not matter; after each
-/// iteration all vertices are projected on f = 0 by Eq. 11. Then the rest lengths relax over dt [s].
-/// Returns the largest residual of the last projection (see project_all).
+/// Projects all vertices on f = 0 by Eq. 11, then runs the iterations: every vertex moves from the same old
+/// state (Jacobi), so the order does not matter, and all are projected again. Then the rest lengths relax
+/// over dt [s].
+///
+/// A vertex goes a share `relaxation` of one Newton step towards the equilibrium of its springs, its
+/// neighbours fixed. A spring pulls with its length in space minus its rest length, along the neighbour's
+/// direction in the tangent plane; so a mesh whose edges have their rest lengths stays as it is, however
+/// curved it is. A vertex whose projection failed goes towards the centroid of its neighbours instead, until
+/// it projects again. Returns the largest residual of the last projection (see project_all).
 double fair(const Field& field, const VertexRings& rings, const FairingOptions& options,
             const ProjectionOptions& projection, double dt, TriangleMesh& mesh, FairingState& state);
 

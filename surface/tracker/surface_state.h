@@ -12,13 +12,13 @@ namespace kappaflow {
 
 /// Arrays over the vertices at one instant.
 struct SurfaceState {
-  std::vector<Vec3> normal;              ///< outward unit normal of the field, -g/|g|; zero where g vanishes
-  std::vector<double> area;              ///< vertex_areas() [m2]
-  std::vector<double> gaussian_curvature;///< K [1/m2]
-  std::vector<double> mean_curvature;    ///< H [1/m], > 0 on a sphere
-  SurfaceVelocities motion;              ///< velocity and confidence of the method
-  std::vector<Vec3> material_velocity;   ///< velocity of the material at the vertex [m/s]; empty where unknown
-  std::vector<double> material_slip;     ///< |tangential velocity - that of material| [m/s]; empty where unknown
+  std::vector<Vec3> normal;  ///< outward unit normal of the field, -g/|g|; zero where g vanishes
+  std::vector<double> area;  ///< vertex_areas() [m2]
+  std::vector<double> gaussian_curvature;  ///< K [1/m2]
+  std::vector<double> mean_curvature;      ///< H [1/m], > 0 on a sphere
+  SurfaceVelocities motion;                ///< velocity and confidence of the method
+  std::vector<Vec3> material_velocity;  ///< velocity of the material at the vertex [m/s]; empty where unknown
+  std::vector<double> material_slip;  ///< |tangential velocity - that of material| [m/s]; empty where unknown
 };
 
 SurfaceState surface_state(const Field& field, const TriangleMesh& mesh, const VertexRings& rings,
@@ -28,10 +28,11 @@ SurfaceState surface_state(const Field& field, const TriangleMesh& mesh, const V
 /// nullopt where the material velocity is unknown or zero.
 std::optional<double> slip(const SurfaceState& state);
 
-/// Angular velocity about `axis` (a unit vector) of the least-squares rigid motion of the largest piece's vertices under
-/// the method's velocity, over the same fitted to the material velocity. nullopt where that is unknown or (nearly) zero.
-std::optional<double> rotation_captured(const TriangleMesh& mesh, const VertexRings& rings, const SurfaceState& state,
-                                        const Vec3& axis);
+/// Angular velocity about `axis` (a unit vector) of the least-squares rigid motion of the largest piece's
+/// vertices under the method's velocity, over the same fitted to the material velocity. nullopt where that is
+/// unknown or (nearly) zero.
+std::optional<double> rotation_captured(const TriangleMesh& mesh, const VertexRings& rings,
+                                        const SurfaceState& state, const Vec3& axis);
 
 /// Angular velocity vector [1/s] of the area-weighted least-squares rigid motion of the selected vertices.
 Vec3 fitted_angular_velocity(std::span<const Vec3> position, std::span<const double> area,

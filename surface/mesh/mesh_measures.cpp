@@ -1,0 +1,141 @@
+#include "surface/mesh/mesh_measures.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <numeric>
+
+#include "core/errors.h"
+#include "core/parallel.h"
+
+namespace kappaflow {
+namespace {
+
+double triangle_area(const Vec3& a, const Vec3& b, const Vec3& c) {
+  return 0.5 * (b - a).cross(c - a).norm();
+}
+
+/// For every vertex the vertices that its outgoing edges lead to, ascending, in compressed rows. An outgoing
+/// edge of v runs from v along the orientation of a triangle.
+VertexRings outgoing_edges(std::size_t vertex_count, std::span<const Triangle> triangles) {
+  VertexRings edges;
+  edges.start.assign(vertex_count + 1, 0);
+  for (const Triangle& triangle : triangles)
+    for (const int v : triangle) ++edges.start[v + 1];
+  std::partial_sum(edges.start.begin(), edges.start.end(), edges.start.begin());
+  edges.neighbour.resize(3 * triangles.size());
+  std::vector<int> end(edges.start.begin(), edges.start.end() - 1);
+  for (const Triangle& triangle : triangles)
+    for (int corner = 0; corner < 3; ++corner)
+      edges.neighbour[end[triangle[corner]]++] = triangle[(corner + 1) % 3];
+  parallel_for(vertex_count, [&](std::size_t v) {
+    std::sort(edges.neighbour.begin() + edges.start[v], edges.neighbour.begin() + edges.start[v + 1]);
+  });
+  return edges;
+}
+
+bool is_closed_at(const VertexRings& outgoing, int v) {
+  const std::span<const int> ends = outgoing.of(v);
+  if (std::adjacent_find(ends.begin(), ends.end()) != ends.end()) return false;
+  return std::all_of(ends.begin(), ends.end(), [&](int end) {
+    const std::span<const int> back = outgoing.of(end);
+    return end != v && std::binary_search(back.begin(), back.end(), v);
+  });
+}
+
+}  // namespace
+
+void vertex_areas(std::span<const Vec3> position, std::span<const Triangle> triangles,
+                  std::span<double> area) {
+  std::fill(area.begin(), area.end(), 0.0);
+  for (const Triangle& t : triangles) {
+    const double third = triangle_area(position[t[0]], position[t[1]], position[t[2]]) / 3;
+    for (const int v : t) area[v] += third;
+  }
+}
+
+std::vector<double> vertex_areas(std::span<const Vec3> position, std::span<const Triangle> triangles) {
+  std::vector<double> area(position.size());
+  vertex_areas(position, triangles, area);
+  return area;
+}
+
+AreaAndVolume area_and_volume(std::span<const Vec3> position, std::span<const Triangle> triangles) {
+  if (triangles.empty()) return {};
+  // Tetrahedra with a vertex of the mesh, not the origin, as their apex: far from the origin volumes would
+  // cancel.
+  const Vec3 apex = position[triangles[0][0]];
+  const Vec2 sum = parallel_sum(triangles.size(), Vec2(Vec2::Zero()), [&](std::size_t i) -> Vec2 {
+    const Vec3 a = position[triangles[i][0]] - apex, b = position[triangles[i][1]] - apex,
+               c = position[triangles[i][2]] - apex;
+    return {triangle_area(a, b, c), a.dot(b.cross(c)) / 6};
+  });
+  return {.area = sum[0], .volume = sum[1]};
+}
+
+double triangle_quality(const Vec3& a, const Vec3& b, const Vec3& c) {
+  // 16 area^2 = (a+b+c)(b+c-a)(c+a-b)(a+b-c) turns 8 (s-a)(s-b)(s-c)/(abc) into this, which does not cancel.
+  const double la = (c - b).norm(), lb = (a - c).norm(), lc = (b - a).norm();
+  const double product = la * lb * lc;
+  if (!(product > 0)) return 0;
+  return 4 * (b - a).cross(c - a).squaredNorm() / (product * (la + lb + lc));
+}
+
+QualityRange triangle_qualities(std::span<const Vec3> position, std::span<const Triangle> triangles) {
+  if (triangles.empty()) return {};
+  const QualityRange range = parallel_reduce(
+      triangles.size(), QualityRange{.min = 1, .mean = 0},
+      [&](std::size_t i) -> QualityRange {
+        const double quality =
+            triangle_quality(position[triangles[i][0]], position[triangles[i][1]], position[triangles[i][2]]);
+        return {quality, quality};
+      },
+      [](const QualityRange& a, const QualityRange& b) -> QualityRange {
+        return {std::min(a.min, b.min), a.mean + b.mean};
+      });
+  return {range.min, range.mean / static_cast<double>(triangles.size())};
+}
+
+MeshTopology mesh_topology(std::span<const Vec3> position, std::span<const Triangle> triangles) {
+  const VertexRings outgoing = outgoing_edges(position.size(), triangles);
+  int used = 0, roots = 0;
+  for (int v = 0; v < static_cast<int>(position.size()); ++v) {
+    if (!is_closed_at(outgoing, v))
+      throw TopologyError(position[v],
+                          "the mesh is not closed and oriented: an edge here does not have two triangles "
+                          "that run along it in opposite directions");
+    used += !outgoing.of(v).empty();
+  }
+  // In a closed oriented mesh every edge is outgoing once at each of its ends.
+  const std::vector<int> component = vertex_components(outgoing);
+  for (int v = 0, highest = -1; v < static_cast<int>(position.size()); ++v) {
+    if (component[v] <= highest) continue;
+    highest = component[v];
+    roots += !outgoing.of(v).empty();
+  }
+  const int faces = static_cast<int>(triangles.size());
+  const int euler = used - 3 * faces / 2 + faces;
+  return {.components = roots, .genus = roots - euler / 2};
+}
+
+std::vector<int> vertex_components(const VertexRings& rings) {
+  const int vertices = static_cast<int>(rings.start.size()) - 1;
+  std::vector<int> component(vertices, -1), pending;
+  int components = 0;
+  for (int seed = 0; seed < vertices; ++seed) {
+    if (component[seed] >= 0) continue;
+    component[seed] = components++;
+    pending.assign(1, seed);
+    while (!pending.empty()) {
+      const int v = pending.back();
+      pending.pop_back();
+      for (const int neighbour : rings.of(v))
+        if (component[neighbour] < 0) {
+          component[neighbour] = component[v];
+          pending.push_back(neighbour);
+        }
+    }
+  }
+  return component;
+}
+
+}  // namespace kappaflow

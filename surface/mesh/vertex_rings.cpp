@@ -1,0 +1,40 @@
+#include "surface/mesh/vertex_rings.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace kappaflow {
+
+VertexRings vertex_rings(std::size_t vertex_count, std::span<const Triangle> triangles) {
+  // Every triangle tells each of its corners of the two others; inside a closed mesh each neighbour comes
+  // twice.
+  VertexRings rings;
+  rings.start.assign(vertex_count + 1, 0);
+  for (const Triangle& triangle : triangles)
+    for (const int v : triangle) rings.start[v + 1] += 2;
+  std::partial_sum(rings.start.begin(), rings.start.end(), rings.start.begin());
+
+  rings.neighbour.resize(6 * triangles.size());
+  std::vector<int> end(rings.start.begin(), rings.start.end() - 1);
+  for (const Triangle& triangle : triangles)
+    for (int corner = 0; corner < 3; ++corner) {
+      const int v = triangle[corner];
+      rings.neighbour[end[v]++] = triangle[(corner + 1) % 3];
+      rings.neighbour[end[v]++] = triangle[(corner + 2) % 3];
+    }
+
+  int kept = 0;
+  for (std::size_t v = 0; v < vertex_count; ++v) {
+    const auto begin = rings.neighbour.begin() + rings.start[v];
+    std::sort(begin, rings.neighbour.begin() + end[v]);
+    const auto unique_end = std::unique(begin, rings.neighbour.begin() + end[v]);
+    rings.start[v] = kept;
+    kept += static_cast<int>(std::copy(begin, unique_end, rings.neighbour.begin() + kept) -
+                             (rings.neighbour.begin() + kept));
+  }
+  rings.start[vertex_count] = kept;
+  rings.neighbour.resize(kept);
+  return rings;
+}
+
+}  // namespace kappaflow

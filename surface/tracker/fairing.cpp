@@ -1,0 +1,111 @@
+// Fujisawa, Mandachi, Miura 2011, section 3.4.
+#include "surface/tracker/fairing.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "core/parallel.h"
+
+namespace kappaflow {
+namespace {
+
+using Mat2 = Eigen::Matrix2d;
+
+// A move is at most this share of the mean rest length of the vertex's springs: it keeps triangles from
+// folding over.
+constexpr double kLongestMove = 0.25;
+// Share of a spring's stiffness that is added in every direction, for rings that have folded into a line.
+constexpr double kRegularisation = 1e-3;
+
+/// Two orthonormal rows that span the plane normal to the unit vector n (Duff et al. 2017).
+Eigen::Matrix<double, 2, 3> plane_basis(const Vec3& n) {
+  const double sign = std::copysign(1.0, n[2]);
+  const double a = -1 / (sign + n[2]), b = n[0] * n[1] * a;
+  Eigen::Matrix<double, 2, 3> basis;
+  basis << 1 + sign * n[0] * n[0] * a, sign * b, -sign * n[0], b, sign + n[1] * n[1] * a, -n[1];
+  return basis;
+}
+
+/// A Newton step in the tangent plane towards the equilibrium of the springs that end at vertex v.
+Vec3 spring_move(const VertexRings& rings, std::span<const double> rest_length,
+                 std::span<const Vec3> position, const Vec3& gradient, int v) {
+  const Eigen::Matrix<double, 2, 3> plane = plane_basis(gradient.normalized());
+  Vec2 force = Vec2::Zero();
+  Mat2 stiffness = Mat2::Zero();
+  double rest_sum = 0;
+  const int begin = rings.start[v], end = rings.start[v + 1];
+  for (int k = begin; k < end; ++k) {
+    const Vec3 edge = position[rings.neighbour[k]] - position[v];
+    const Vec2 in_plane = plane * edge;
+    const double length = edge.norm(), length_in_plane = in_plane.norm(), rest = rest_length[k];
+    rest_sum += rest;
+    if (!(length_in_plane > 0)) continue;
+    const Vec2 direction = in_plane / length_in_plane;
+    force += (length - rest) * direction;
+    // A compressed spring would push sideways; leaving that out keeps the matrix positive.
+    const double across = std::max(0.0, 1 - rest / length);
+    stiffness +=
+        (1 - across) * direction * direction.transpose() + (across + kRegularisation) * Mat2::Identity();
+  }
+  if (begin == end) return Vec3::Zero();
+  const Vec3 move = plane.transpose() * (stiffness.inverse() * force);
+  const double longest = kLongestMove * rest_sum / (end - begin), distance = move.norm();
+  return distance > longest ? Vec3(move * (longest / distance)) : move;
+}
+
+/// From vertex v to the centroid of its neighbours.
+Vec3 centroid_move(std::span<const int> ring, std::span<const Vec3> position, int v) {
+  if (ring.empty()) return Vec3::Zero();
+  Vec3 sum = Vec3::Zero();
+  for (const int neighbour : ring) sum += position[neighbour] - position[v];
+  return sum / static_cast<double>(ring.size());
+}
+
+void relax_vertices(const VertexRings& rings, double relaxation, TriangleMesh& mesh, FairingState& state) {
+  parallel_for(mesh.vertex_count(), [&](std::size_t i) {
+    const int v = static_cast<int>(i);
+    const Vec3 move = mesh.unprojected[v]
+                          ? centroid_move(rings.of(v), mesh.position, v)
+                          : spring_move(rings, state.rest_length, mesh.position, state.gradient[v], v);
+    state.moved_position[v] = mesh.position[v] + relaxation * move;
+  });
+  std::swap(mesh.position, state.moved_position);
+}
+
+/// Rest lengths go the share 1 - exp(-dt/time) of the way to the current lengths.
+void relax_rest_lengths(const VertexRings& rings, std::span<const Vec3> position, double share,
+                        std::span<double> rest_length) {
+  parallel_for(position.size(), [&](std::size_t v) {
+    for (int k = rings.start[v]; k < rings.start[v + 1]; ++k)
+      rest_length[k] += share * ((position[rings.neighbour[k]] - position[v]).norm() - rest_length[k]);
+  });
+}
+
+}  // namespace
+
+FairingState fairing_state(const TriangleMesh& mesh, const VertexRings& rings) {
+  FairingState state;
+  state.rest_length.assign(rings.neighbour.size(), 0);
+  relax_rest_lengths(rings, mesh.position, 1, state.rest_length);
+  state.gradient.assign(mesh.vertex_count(), Vec3::Zero());
+  state.moved_position.resize(mesh.vertex_count());
+  return state;
+}
+
+double fair(const Field& field, const VertexRings& rings, const FairingOptions& options,
+            const ProjectionOptions& projection, double dt, TriangleMesh& mesh, FairingState& state) {
+  const auto project_vertices = [&] {
+    return project_all(field, projection, mesh.position, mesh.unprojected, state.gradient);
+  };
+  double residual = project_vertices();
+  for (int iteration = 0; iteration < options.iterations; ++iteration) {
+    relax_vertices(rings, options.relaxation, mesh, state);
+    residual = project_vertices();
+  }
+  relax_rest_lengths(rings, mesh.position, 1 - std::exp(-dt / options.rest_length_time), state.rest_length);
+  return residual;
+}
+
+}  // namespace kappaflow

@@ -1,0 +1,48 @@
+#include "surface/tracker/surface_tracker.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "surface/mesh/mesh_measures.h"
+
+namespace kappaflow {
+namespace {
+
+template <class Work>
+double seconds_of(const Work& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+}  // namespace
+
+SurfaceTracker::SurfaceTracker(TriangleMesh initial_mesh, const TrackerOptions& options)
+    : options_(options),
+      method_(velocity_method(options.method)),
+      mesh_(std::move(initial_mesh)),
+      rings_(vertex_rings(mesh_.vertex_count(), mesh_.triangles)),
+      fairing_(fairing_state(mesh_, rings_)),
+      area_(mesh_.vertex_count()) {}
+
+TrackerStep SurfaceTracker::step(FieldMotion& motion) {
+  TrackerStep report;
+  report.velocity_seconds = seconds_of([&] { advect(motion); });
+  report.fairing_seconds = seconds_of([&] {
+    report.residual_max = fair(*motion.at(motion.t1()), rings_, options_.fairing, options_.projection,
+                               motion.t1() - motion.t0(), mesh_, fairing_);
+  });
+  report.unprojected = static_cast<std::size_t>(std::ranges::count(mesh_.unprojected, 1));
+  return report;
+}
+
+void SurfaceTracker::advect(FieldMotion& motion) {
+  vertex_areas(mesh_.position, mesh_.triangles, area_);
+  runge_kutta_.advance(motion, options_.integrator, mesh_.position,
+                       [&](const Field& field, std::span<const Vec3> position) -> std::span<const Vec3> {
+                         method_.evaluate(field, {position, area_, rings_}, options_.velocity, velocities_);
+                         return velocities_.velocity;
+                       });
+}
+
+}  // namespace kappaflow
