@@ -13,18 +13,19 @@ namespace kappaflow {
 
 /// Options of the solver; SI units.
 struct FluidOptions {
-  double spacing = 0;                 ///< rest distance of neighbouring particles [m]; the kernel's support is twice it
-  double density = 1000;              ///< rest density [kg/m3]
-  double kinematic_viscosity = 1;     ///< [m2/s]
-  double boundary_viscosity = 1;      ///< kinematic viscosity between liquid and walls [m2/s]: no-slip friction; 0: free slip
-  Vec3 gravity{0, -9.81, 0};          ///< [m/s2]
+  double spacing = 0;     ///< rest distance of neighbouring particles [m]; the kernel's support is twice it
+  double density = 1000;  ///< rest density [kg/m3]
+  double kinematic_viscosity = 1;  ///< [m2/s]
+  double boundary_viscosity =
+      1;  ///< kinematic viscosity between liquid and walls [m2/s]: no-slip friction; 0: free slip
+  Vec3 gravity{0, -9.81, 0};  ///< [m/s2]
 
-  double cfl = 0.4;                   ///< a step moves no particle further than cfl * spacing
-  double min_time_step = 1e-6;        ///< [s]; a flow that needs less is a SolverFailure
-  double max_time_step = 5e-3;        ///< [s]
+  double cfl = 0.4;             ///< a step moves no particle further than cfl * spacing
+  double min_time_step = 1e-6;  ///< [s]; a flow that needs less is a SolverFailure
+  double max_time_step = 5e-3;  ///< [s]
 
-  double density_tolerance = 5e-4;    ///< mean compression at which the pressure solver stops [1]
-  double divergence_tolerance = 1e-3; ///< mean rate of compression times the time step, likewise [1]
+  double density_tolerance = 5e-4;     ///< mean compression at which the pressure solver stops [1]
+  double divergence_tolerance = 1e-3;  ///< mean rate of compression times the time step, likewise [1]
   int max_pressure_iterations = 100;
   double viscosity_tolerance = 1e-3;  ///< relative residual at which the viscosity solver stops [1]
   int max_viscosity_iterations = 100;
@@ -32,20 +33,20 @@ struct FluidOptions {
 
 /// What one time step did.
 struct FluidStep {
-  double time_step = 0;               ///< [s]
+  double time_step = 0;  ///< [s]
   int density_iterations = 0;
   int divergence_iterations = 0;
   int viscosity_iterations = 0;
-  double density_error_mean = 0;      ///< mean of max(rho/rho0 - 1, 0) over the particles [1]
-  double density_error_max = 0;       ///< maximum likewise [1]
-  double fastest = 0;                 ///< largest particle speed [m/s]
+  double density_error_mean = 0;  ///< mean of max(rho/rho0 - 1, 0) over the particles [1]
+  double density_error_max = 0;   ///< maximum likewise [1]
+  double fastest = 0;             ///< largest particle speed [m/s]
 };
 
 /// A viscous liquid between rigid walls.
 class FluidSolver {
  public:
-  /// position, velocity: one entry a particle; ids are 0, 1, ... in this order. walls: closed, oriented outward from
-  /// the solid. Throws InvalidInput for options out of range or particles inside a wall.
+  /// position, velocity: one entry a particle; ids are 0, 1, ... in this order. walls: closed, oriented
+  /// outward from the solid. Throws InvalidInput for options out of range or particles inside a wall.
   FluidSolver(const FluidOptions& options, std::span<const Vec3> position, std::span<const Vec3> velocity,
               std::span<const TriangleSurface> walls);
   ~FluidSolver();
@@ -53,12 +54,13 @@ class FluidSolver {
   FluidSolver& operator=(FluidSolver&&) noexcept;
 
   /// Advances by one adaptive time step, not longer than time_left [s].
-  /// Throws SolverFailure when a number is not finite or the step would have to be shorter than min_time_step.
+  /// Throws SolverFailure when a number is not finite or the step would have to be shorter than
+  /// min_time_step.
   FluidStep step(double time_left);
 
-  double time() const;                ///< [s]
-  std::size_t size() const;           ///< particles
-  Particles particles() const;        ///< now, sorted by id
+  double time() const;                   ///< [s]
+  std::size_t size() const;              ///< particles
+  Particles particles() const;           ///< now, sorted by id
   std::vector<float> densities() const;  ///< by id [kg/m3]
   std::vector<float> pressures() const;  ///< by id [Pa]
 

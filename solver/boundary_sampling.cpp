@@ -1,0 +1,106 @@
+#include "solver/boundary_sampling.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+
+#include "core/cell_grid.h"
+#include "core/errors.h"
+#include "core/parallel.h"
+
+namespace kappaflow {
+namespace {
+
+constexpr double kMinDistance = 0.6;        // between samples, in spacings
+constexpr double kCandidateDistance = 0.2;  // between candidates, in spacings
+
+/// A fixed pseudo-random permutation of the 64-bit integers (splitmix64).
+std::uint64_t scramble(std::uint64_t x) {
+  x += 0x9e3779b97f4a7c15;
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111eb;
+  return x ^ (x >> 31);
+}
+
+/// A place where a sample may stand: below the point of a face whose normal is known.
+struct Candidate {
+  Vec3 position, normal;
+};
+
+/// Appends a triangular lattice over abc, its border included, moved `depth` against the face's normal.
+void append_lattice(const Vec3& a, const Vec3& b, const Vec3& c, double depth, double step,
+                    std::vector<Candidate>& candidates) {
+  const Vec3 normal = (b - a).cross(c - a).stableNormalized();
+  if (normal.squaredNorm() == 0) return;
+  const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
+  const int n = std::max(1, static_cast<int>(std::ceil(longest / step)));
+  for (int i = 0; i <= n; ++i)
+    for (int j = 0; j <= n - i; ++j) {
+      const Vec3 point = a + (b - a) * (static_cast<double>(i) / n) + (c - a) * (static_cast<double>(j) / n);
+      candidates.push_back({point - depth * normal, normal});
+    }
+}
+
+/// The candidates that are `depth` deep in the union: those below a convex edge are less, those that another
+/// solid covers more.
+std::vector<Vec3> at_depth(const std::vector<Candidate>& candidates, std::span<const SolidDistance> solids,
+                           double depth) {
+  std::vector<SurfacePoint> nearest(candidates.size());
+  parallel_for(candidates.size(),
+               [&](std::size_t i) { nearest[i] = nearest_of_union(solids, candidates[i].position); });
+  std::vector<Vec3> kept;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    const double excess = nearest[i].distance + depth;
+    const Vec3& x = nearest[i].position;
+    if (excess > 1e-3 * depth && nearest[i].normal.dot(candidates[i].normal) < -0.9)
+      throw InvalidInput(
+          fmt::format("wall: thinner than the particle spacing of {:.4g} m at ({:.4g}, {:.4g}, {:.4g}); "
+                      "make it thicker or lower the spacing",
+                      2 * depth, x.x(), x.y(), x.z()));
+    if (std::abs(excess) < 1e-3 * depth) kept.push_back(candidates[i].position);
+  }
+  return kept;
+}
+
+/// Greedy maximal subset with no two points nearer than `distance`, visited in pseudo-random order.
+std::vector<Vec3> poisson_disk_subset(const std::vector<Vec3>& points, double distance) {
+  CellGrid grid;
+  grid.build(std::span<const Vec3>(points), distance);
+  const auto cell_order = grid.order();
+  std::vector<std::uint32_t> visits(points.size());
+  std::iota(visits.begin(), visits.end(), 0u);
+  std::sort(visits.begin(), visits.end(), [](auto i, auto j) { return scramble(i) < scramble(j); });
+  std::vector<char> taken(points.size(), 0);  // by place in cell order
+  std::vector<std::uint32_t> place(points.size());
+  for (std::size_t k = 0; k < cell_order.size(); ++k) place[cell_order[k]] = static_cast<std::uint32_t>(k);
+  std::vector<Vec3> samples;
+  for (const std::uint32_t i : visits) {
+    bool free = true;
+    grid.ranges_near(points[i], distance, [&](std::uint32_t begin, std::uint32_t end) {
+      for (std::uint32_t k = begin; k < end && free; ++k)
+        free = !taken[k] || (points[cell_order[k]] - points[i]).squaredNorm() >= distance * distance;
+    });
+    if (!free) continue;
+    taken[place[i]] = 1;
+    samples.push_back(points[i]);
+  }
+  return samples;
+}
+
+}  // namespace
+
+std::vector<Vec3> sample_walls(std::span<const TriangleSurface> walls, std::span<const SolidDistance> solids,
+                               double spacing) {
+  const double depth = 0.5 * spacing;
+  std::vector<Candidate> candidates;
+  for (const TriangleSurface& wall : walls)
+    for (const Triangle& t : wall.triangles)
+      append_lattice(wall.vertices[t[0]], wall.vertices[t[1]], wall.vertices[t[2]], depth,
+                     kCandidateDistance * spacing, candidates);
+  return poisson_disk_subset(at_depth(candidates, solids, depth), kMinDistance * spacing);
+}
+
+}  // namespace kappaflow

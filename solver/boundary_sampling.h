@@ -1,0 +1,21 @@
+// Fixed particles that stand for the walls.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/types.h"
+#include "solver/solid_distance.h"
+
+namespace kappaflow {
+
+/// Particles half a spacing below the surface of the union of the solids, so that liquid resting against a
+/// wall continues their layer at the distance of one spacing and its outermost centres stand half a spacing
+/// off the wall. A Poisson-disk set (dart throwing in a fixed pseudo-random order): no two are nearer than
+/// 0.6 spacing, and no place of the layer is further than that from one. Faces that another solid covers get
+/// none. solids[k] belongs to walls[k]. Throws InvalidInput where a wall is thinner than one spacing, for
+/// then it has no such layer.
+std::vector<Vec3> sample_walls(std::span<const TriangleSurface> walls, std::span<const SolidDistance> solids,
+                               double spacing);
+
+}  // namespace kappaflow

@@ -1,0 +1,38 @@
+// The liquid's particles as the solver holds them: structure of arrays in cell order, single precision.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/types.h"
+
+namespace kappaflow {
+
+/// Columns of a 3x3 matrix, each padded to one register; times a 3-vector it gives a padded vector.
+using Mat43f = Eigen::Matrix<float, 4, 3>;
+
+/// v in single precision with a fourth component of 0.
+inline Vec4f padded(const Vec3& v) {
+  const Eigen::Vector3f f = v.cast<float>();
+  return {f.x(), f.y(), f.z(), 0};
+}
+
+/// All arrays have one entry a particle. Every particle has the same rest volume spacing^3 and the same mass.
+struct FluidParticles {
+  // The state: carried from step to step, permuted when the particles are sorted.
+  std::vector<std::uint32_t> id;
+  std::vector<Vec4f> position;             ///< [m]
+  std::vector<Vec4f> velocity;             ///< [m/s]
+  std::vector<Vec4f> viscous_change;       ///< of the velocity in the last step [m/s]; starts the next solve
+  std::vector<float> density_pressure;     ///< kappa of the constant-density solve [m2/s2], see pressure.h
+  std::vector<float> divergence_pressure;  ///< kappa of the divergence-free solve [m2/s2]
+
+  // What follows from the positions: recomputed after every move.
+  std::vector<float> density;              ///< over the rest density [1]
+  std::vector<Vec4f> gradient_sum;         ///< density's gradient in the particle's own position [1/m]
+  std::vector<float> gradient_square_sum;  ///< sum_j |V grad W_ij|^2 [1/m2]
+
+  std::size_t size() const { return id.size(); }
+};
+
+}  // namespace kappaflow

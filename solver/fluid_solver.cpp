@@ -1,0 +1,182 @@
+#include "solver/fluid_solver.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/errors.h"
+#include "core/parallel.h"
+#include "solver/boundary.h"
+#include "solver/boundary_sampling.h"
+#include "solver/neighbours.h"
+#include "solver/pressure.h"
+#include "solver/start.h"
+#include "solver/time_step.h"
+#include "solver/viscosity.h"
+
+namespace kappaflow {
+namespace {
+
+void accelerate(FluidParticles& particles, const Vec4f& acceleration, float time_step) {
+  parallel_for(particles.size(), [&](std::size_t i) { particles.velocity[i] += time_step * acceleration; });
+}
+
+void move(FluidParticles& particles, float time_step) {
+  parallel_for(particles.size(),
+               [&](std::size_t i) { particles.position[i] += time_step * particles.velocity[i]; });
+}
+
+/// Largest speed [m/s]; infinite when the velocity of any particle is not finite.
+double fastest_speed(const FluidParticles& particles) {
+  const float square = parallel_max(particles.size(), 0.0f, [&](std::size_t i) {
+    const float s = particles.velocity[i].squaredNorm();
+    return std::isfinite(s) ? s : std::numeric_limits<float>::infinity();
+  });
+  return std::sqrt(static_cast<double>(square));
+}
+
+/// The id of the particle with the largest speed, or the lowest id among those whose speed is not finite.
+std::int64_t fastest_id(const FluidParticles& particles) {
+  std::pair<float, std::int64_t> fastest{-1.0f, -1};
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    const float s = particles.velocity[i].squaredNorm();
+    fastest = std::max(fastest, {std::isfinite(s) ? s : std::numeric_limits<float>::infinity(),
+                                 -static_cast<std::int64_t>(particles.id[i])});
+  }
+  return -fastest.second;
+}
+
+}  // namespace
+
+struct FluidSolver::State {
+  State(const FluidOptions& o, const Walls& w)
+      : options(o), search(static_cast<float>(o.spacing)), walls(w), viscosity(o), pressure(o) {}
+
+  void update_neighbourhood();
+  double time_step(double time_left) const;
+  void check_finite() const;
+  void measure(FluidStep& done);
+
+  FluidOptions options;
+  NeighbourSearch search;
+  Walls walls;
+  ViscositySolver viscosity;
+  PressureSolver pressure;
+
+  double time = 0;
+  double fastest = 0;  // speed now
+  FluidParticles particles;
+  NeighbourLists neighbours;
+  WallSums wall_sums;
+};
+
+FluidSolver::FluidSolver(const FluidOptions& options, std::span<const Vec3> position,
+                         std::span<const Vec3> velocity, std::span<const TriangleSurface> walls) {
+  check_options(options);
+  const std::vector<SolidDistance> solids(walls.begin(), walls.end());
+  check_start(position, velocity, solids);
+  const std::vector<Vec3> samples = sample_walls(walls, solids, options.spacing);
+  state_ = std::make_unique<State>(options, Walls(samples, static_cast<float>(options.spacing)));
+  state_->particles = particles_at_start(position, velocity);
+  state_->fastest = fastest_speed(state_->particles);
+  state_->update_neighbourhood();
+}
+
+FluidSolver::~FluidSolver() = default;
+FluidSolver::FluidSolver(FluidSolver&&) noexcept = default;
+FluidSolver& FluidSolver::operator=(FluidSolver&&) noexcept = default;
+
+FluidStep FluidSolver::step(double time_left) {
+  State& s = *state_;
+  FluidStep done;
+  done.time_step = s.time_step(time_left);
+  const float dt = static_cast<float>(done.time_step);
+
+  accelerate(s.particles, padded(s.options.gravity), dt);
+  done.viscosity_iterations = s.viscosity.solve(s.particles, s.neighbours, s.wall_sums, dt);
+  done.density_iterations = s.pressure.correct_density(s.particles, s.neighbours, dt).iterations;
+  s.check_finite();
+  move(s.particles, dt);
+  s.update_neighbourhood();
+  done.divergence_iterations = s.pressure.correct_divergence(s.particles, s.neighbours, dt).iterations;
+  s.check_finite();
+
+  s.time += done.time_step;
+  s.measure(done);
+  return done;
+}
+
+void FluidSolver::State::update_neighbourhood() {
+  search.sort(particles);
+  search.find(particles, neighbours);
+  walls.add_to(particles, wall_sums);
+}
+
+double FluidSolver::State::time_step(double time_left) const {
+  if (!(time_left > 0))
+    throw InvalidInput(fmt::format("time left for the step = {} s; must be above 0", time_left));
+  const double needed = cfl_time_step(fastest, options.gravity.norm(), options.cfl * options.spacing);
+  if (needed < options.min_time_step)
+    throw SolverFailure(
+        time, fastest_id(particles),
+        fmt::format("its speed of {:.4g} m/s needs a time step of {:.3g} s, below min_time_step = "
+                    "{:.3g} s; lower cfl or max_time_step if the flow explodes, else min_time_step",
+                    fastest, needed, options.min_time_step));
+  return fit_time_step(std::min(needed, options.max_time_step), time_left);
+}
+
+void FluidSolver::State::check_finite() const {
+  if (std::isfinite(fastest_speed(particles))) return;
+  throw SolverFailure(
+      time, fastest_id(particles),
+      fmt::format("its velocity is not finite; try a smaller cfl (now {}) or max_time_step (now {} s)",
+                  options.cfl, options.max_time_step));
+}
+
+void FluidSolver::State::measure(FluidStep& done) {
+  const std::size_t n = particles.size();
+  const auto compression = [&](std::size_t i) { return std::max(particles.density[i] - 1, 0.0f); };
+  done.density_error_mean = parallel_sum<double>(n, 0, compression) / static_cast<double>(n);
+  done.density_error_max = static_cast<double>(parallel_max(n, 0.0f, compression));
+  done.fastest = fastest = fastest_speed(particles);
+}
+
+double FluidSolver::time() const {
+  return state_->time;
+}
+std::size_t FluidSolver::size() const {
+  return state_->particles.size();
+}
+
+Particles FluidSolver::particles() const {
+  const FluidParticles& p = state_->particles;
+  Particles result{state_->time, std::vector<std::int64_t>(size()), std::vector<Vec3>(size()),
+                   std::vector<Vec3>(size())};
+  for (std::size_t i = 0; i < size(); ++i) {
+    result.id[p.id[i]] = p.id[i];
+    result.position[p.id[i]] = p.position[i].head<3>().cast<double>();
+    result.velocity[p.id[i]] = p.velocity[i].head<3>().cast<double>();
+  }
+  return result;
+}
+
+std::vector<float> FluidSolver::densities() const {
+  const FluidParticles& p = state_->particles;
+  std::vector<float> result(size());
+  for (std::size_t i = 0; i < size(); ++i)
+    result[p.id[i]] = static_cast<float>(state_->options.density) * p.density[i];
+  return result;
+}
+
+std::vector<float> FluidSolver::pressures() const {
+  const FluidParticles& p = state_->particles;
+  std::vector<float> result(size());
+  for (std::size_t i = 0; i < size(); ++i)
+    result[p.id[i]] = static_cast<float>(state_->options.density) * p.density[i] * p.density[i] *
+                      (p.density_pressure[i] + p.divergence_pressure[i]);
+  return result;
+}
+
+}  // namespace kappaflow

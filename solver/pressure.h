@@ -1,0 +1,69 @@
+// Pressure: Bender & Koschier, "Divergence-free SPH for incompressible and viscous fluids" (2017), both of
+// its solves as one bound-constrained problem.
+#pragma once
+
+#include <vector>
+
+#include "solver/boundary.h"
+#include "solver/fluid_particles.h"
+#include "solver/fluid_solver.h"
+#include "solver/neighbours.h"
+
+namespace kappaflow {
+
+/// How a pressure solve ended.
+struct PressureSolve {
+  int iterations = 0;
+  double mean_error =
+      0;  ///< mean of max(predicted density / rest density - 1, 0) or its like for the divergence [1]
+  float max_error = 0;  ///< its maximum [1]
+};
+
+/// Finds kappa_i >= 0 [m2/s2] such that the accelerations
+///   a_i = -sum_j V (kappa_i + kappa_j) grad W_ij - kappa_i G_i,wall
+/// leave no particle compressed after the step dt. kappa is p / (rho0 (rho/rho0)^2): the pressure in Pa is
+/// rho0 (rho/rho0)^2 (kappa of the density solve + kappa of the divergence solve), both per unit of the same
+/// dt.
+///
+/// With D the linear map from velocities to rates of relative density, a = -D^T kappa, so kappa solves the
+/// linear complementarity problem of dt^2 D D^T, symmetric and positive semidefinite. Solved by projected
+/// Jacobi steps with Nesterov's acceleration, restarted when it overshoots (O'Donoghue & Candes, "Adaptive
+/// restart for accelerated gradient schemes", 2015). Pair forces are antisymmetric: momentum is conserved to
+/// rounding.
+class PressureSolver {
+ public:
+  explicit PressureSolver(const FluidOptions& options)
+      : density_tolerance_(options.density_tolerance),
+        divergence_tolerance_(options.divergence_tolerance),
+        max_iterations_(options.max_pressure_iterations) {}
+
+  /// Constant-density solve: rho/rho0 - 1 + dt D(v + dt a) <= 0, to a mean error of density_tolerance.
+  /// Replaces particles.velocity and density_pressure, which starts the iteration. time_step [s].
+  PressureSolve correct_density(FluidParticles& particles, const NeighbourLists& lists, float time_step);
+
+  /// Divergence-free solve: dt D(v + dt a) <= max(0, 1 - rho/rho0), so loose particles at a surface may come
+  /// together until they are liquid. Likewise with divergence_pressure.
+  PressureSolve correct_divergence(FluidParticles& particles, const NeighbourLists& lists, float time_step);
+
+ private:
+  PressureSolve solve(FluidParticles& particles, const NeighbourLists& lists, float time_step,
+                      double tolerance, std::vector<float>& kappa);
+
+  double density_tolerance_, divergence_tolerance_;
+  int max_iterations_;
+  std::vector<float> source_;    // left-hand side of the constraint before the solve
+  std::vector<float> previous_;  // kappa without extrapolation
+  std::vector<float> proposed_;
+  std::vector<Vec4f> acceleration_;
+};
+
+/// Rate of change of the relative density that velocities u cause [1/s]: sum_j V (u_i - u_j) . grad W_ij +
+/// u_i . G_wall.
+float density_rate(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists,
+                   const std::vector<Vec4f>& u);
+
+/// a_i above [m/s2].
+Vec4f pressure_acceleration(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists,
+                            const std::vector<float>& kappa);
+
+}  // namespace kappaflow

@@ -1,0 +1,25 @@
+// What the solver starts from: checks of the user's input, and the particles in the solver's own form.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "solver/fluid_particles.h"
+#include "solver/fluid_solver.h"
+#include "solver/solid_distance.h"
+
+namespace kappaflow {
+
+/// Throws InvalidInput, which names the option, its value and what is allowed, for the first option out of
+/// range.
+void check_options(const FluidOptions& options);
+
+/// Throws InvalidInput for arrays of different length, no particle, a number that is not finite, or a
+/// particle inside one of the solids.
+void check_start(std::span<const Vec3> position, std::span<const Vec3> velocity,
+                 std::span<const SolidDistance> solids);
+
+/// Particles in the given order, ids 0, 1, ...; pressures zero.
+FluidParticles particles_at_start(std::span<const Vec3> position, std::span<const Vec3> velocity);
+
+}  // namespace kappaflow
