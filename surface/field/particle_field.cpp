@@ -19,16 +19,12 @@ namespace kappaflow {
 
 namespace {
 
-/// Four particles side by side. The width is fixed so that the order of summation is the same on every
-/// processor.
+/// Four particles side by side.
 using Lanes = Eigen::Array4d;
 constexpr std::size_t kLanes = 4;
 
 /// Most particles that are worked on at once; more in reach are taken in turns.
 constexpr std::size_t kHitCapacity = 256;
-
-/// Cells of half a support: small enough to miss few particles, large enough for runs worth visiting.
-constexpr double kCellsPerSigma = 2;
 
 Lanes load(const double* values) {
   return Eigen::Map<const Lanes, Eigen::Aligned32>(values);
@@ -161,7 +157,7 @@ void ParticleField::set_particles(const FieldParticles& p) {
     bounds_.upper = bounds_.upper.cwiseMax(p.position[i] + Vec3::Constant(p.sigma[i]));
     fastest_speed_ = std::max(fastest_speed_, p.velocity[i].norm());
   }
-  grid_.build(std::span<const Vec3>(p.position), largest_sigma_ / kCellsPerSigma);
+  grid_.build(std::span<const Vec3>(p.position), largest_sigma_);
   for (auto* array : {&x_, &y_, &z_, &inverse_sigma2_, &weight_}) array->resize(n);
   source_.resize(n);
   parallel_for(n, [&](std::size_t k) {
@@ -171,8 +167,26 @@ void ParticleField::set_particles(const FieldParticles& p) {
     z_[k] = p.position[i][2];
     inverse_sigma2_[k] = 1 / (p.sigma[i] * p.sigma[i]);
     weight_[k] = p.weight[i];
-    source_[k] = {p.velocity[i], p.sigma[i], p.weight[i], p.weight_rate[i]};
+    source_[k] = {p.velocity[i], p.sigma[i], p.weight_rate[i]};
   });
+}
+
+/// Appends to `hit`, which holds `count` already, the particles of [begin, end) in reach of x; returns the
+/// new count.
+inline std::size_t ParticleField::collect_hits(const Vec3& x, std::uint32_t begin, std::uint32_t end,
+                                               std::uint32_t* hit, std::size_t count) const {
+  std::array<double, kHitCapacity> s;
+  const std::uint32_t n = end - begin;
+#pragma omp simd
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const double dx = x[0] - x_[begin + i], dy = x[1] - y_[begin + i], dz = x[2] - z_[begin + i];
+    s[i] = (dx * dx + dy * dy + dz * dz) * inverse_sigma2_[begin + i];
+  }
+  for (std::uint32_t i = 0; i < n; ++i) {  // without a branch: some candidates are hits, in no pattern
+    hit[count] = begin + i;
+    count += s[i] < 1;
+  }
+  return count;
 }
 
 /// Calls consume(indices) with the particles that have |x - x_i| < sigma_i, at most kHitCapacity at a time.
@@ -184,11 +198,8 @@ void ParticleField::visit_hits(const Vec3& x, const Consume& consume) const {
     while (begin < end) {
       const auto piece_end =
           static_cast<std::uint32_t>(std::min<std::size_t>(end, begin + (kHitCapacity - count)));
-      for (; begin < piece_end; ++begin) {  // without a branch: one candidate in four is a hit, in no pattern
-        const double dx = x[0] - x_[begin], dy = x[1] - y_[begin], dz = x[2] - z_[begin];
-        hit[count] = begin;
-        count += (dx * dx + dy * dy + dz * dz) * inverse_sigma2_[begin] < 1;
-      }
+      count = collect_hits(x, begin, piece_end, hit.data(), count);
+      begin = piece_end;
       if (count < kHitCapacity) continue;
       consume(std::span<const std::uint32_t>(hit.data(), count));
       count = 0;
@@ -210,7 +221,7 @@ inline void ParticleField::load_hits(const Vec3& x, std::span<const std::uint32_
     hits.vz[n] = source.velocity[2];
     hits.inverse_sigma2[n] = inverse_sigma2_[k];
     hits.sigma[n] = source.sigma;
-    hits.weight[n] = source.weight;
+    hits.weight[n] = weight_[k];
     hits.weight_rate[n] = source.weight_rate;
     ++n;
   }
@@ -232,20 +243,25 @@ Jet ParticleField::jet(const Vec3& x) const {
 }
 
 ValueAndGradient ParticleField::value_and_gradient(const Vec3& x) const {
+  // So few operations that picking the hits first would cost more than evaluating the misses, where u = 0.
   double f = 0, gx = 0, gy = 0, gz = 0;
-  visit_hits(x, [&](std::span<const std::uint32_t> indices) {
-    const std::size_t n = indices.size();
-#pragma omp simd reduction(+ : f, gx, gy, gz)
-    for (std::size_t h = 0; h < n; ++h) {
-      const std::uint32_t k = indices[h];
-      const double dx = x[0] - x_[k], dy = x[1] - y_[k], dz = x[2] - z_[k], is2 = inverse_sigma2_[k];
-      const double u = 1 - (dx * dx + dy * dy + dz * dz) * is2, w_u2 = weight_[k] * u * u,
-                   p1 = -6 * w_u2 * is2;
-      f += w_u2 * u;
-      gx += p1 * dx;
-      gy += p1 * dy;
-      gz += p1 * dz;
+  grid_.ranges_near(x, largest_sigma_, [&](std::uint32_t begin, std::uint32_t end) {
+    // Copies that nothing else can change: the loop vectorises.
+    const double *xs = x_.data(), *ys = y_.data(), *zs = z_.data(), *is2s = inverse_sigma2_.data(),
+                 *ws = weight_.data();
+    const double x0 = x[0], x1 = x[1], x2 = x[2];
+    double run_f = 0, run_gx = 0, run_gy = 0, run_gz = 0;
+#pragma omp simd reduction(+ : run_f, run_gx, run_gy, run_gz)
+    for (std::size_t k = begin; k < end; ++k) {
+      const double dx = x0 - xs[k], dy = x1 - ys[k], dz = x2 - zs[k], is2 = is2s[k];
+      const double inside = 1 - (dx * dx + dy * dy + dz * dz) * is2, u = inside > 0 ? inside : 0;
+      const double w_u2 = ws[k] * u * u, p1 = -6 * w_u2 * is2;
+      run_f += w_u2 * u;
+      run_gx += p1 * dx;
+      run_gy += p1 * dy;
+      run_gz += p1 * dz;
     }
+    f += run_f, gx += run_gx, gy += run_gy, gz += run_gz;
   });
   return {f - threshold_, Vec3(gx, gy, gz)};
 }

@@ -48,7 +48,7 @@ class ParticleField final : public Field {
   /// What a particle adds to the jet beside its place.
   struct Source {
     Vec3 velocity;
-    double sigma, weight, weight_rate;
+    double sigma, weight_rate;
   };
   struct Hits;
   struct JetSums;
@@ -56,10 +56,12 @@ class ParticleField final : public Field {
   void set_particles(const FieldParticles& particles);
   template <class Consume>
   void visit_hits(const Vec3& x, const Consume& consume) const;
+  std::size_t collect_hits(const Vec3& x, std::uint32_t begin, std::uint32_t end, std::uint32_t* hit,
+                           std::size_t count) const;
   void load_hits(const Vec3& x, std::span<const std::uint32_t> indices, Hits& hits) const;
 
   CellGrid grid_;
-  // All in the grid's cell order. The search reads the first four only.
+  // All in the grid's cell order. value_and_gradient() reads the first five only.
   std::vector<double> x_, y_, z_, inverse_sigma2_, weight_;
   std::vector<Source> source_;
   double threshold_;

@@ -11,8 +11,12 @@ namespace {
 /// Lattice planes in a slab. Each point's sum runs over the particles in cell order whatever the slabs are.
 constexpr int kSlabPlanes = 8;
 
-/// The first and last lattice index, clamped to [lower, upper], whose coordinate lies within `reach` of
-/// `centre`; both in units of the spacing from the origin.
+/// Lattice points of a row that are worked on together.
+using Lanes = Eigen::Array4d;
+constexpr int kLanes = 4;
+
+/// The lattice indices in [lower, upper] whose coordinate lies within `reach` of `centre`, in units of the
+/// spacing.
 struct IndexRange {
   IndexRange(double centre, double reach, int lower, int upper)
       : first(static_cast<int>(std::clamp<double>(std::ceil(centre - reach), lower, upper + 1.0))),
@@ -20,57 +24,79 @@ struct IndexRange {
   int first, last;
 };
 
-/// Planes first ... last of the lattice.
-struct Slab {
-  int first, last;
+/// Sums over particles on the planes [first, last] of a lattice, in double precision.
+class Slab {
+ public:
+  Slab(const std::array<int, 3>& dims, int first_plane)
+      : dims_(dims),
+        first_(first_plane),
+        last_(std::min(first_plane + kSlabPlanes, dims[2]) - 1),
+        stride_(static_cast<std::size_t>(dims[0] + kLanes - 1)),
+        sums_(stride_ * dims[1] * (last_ - first_ + 1), 0.0) {}
+
+  /// Adds w (1 - r^2)^3 of one particle; centre and sigma in units of the spacing from the lattice's origin.
+  void add(const Vec3& centre, double sigma, double weight);
+
+  /// Writes sum - threshold for the slab's points.
+  void write(double threshold, std::vector<float>& value) const;
+
+ private:
+  double* row(int j, int k) {
+    return sums_.data() + (static_cast<std::size_t>(k - first_) * dims_[1] + j) * stride_;
+  }
+
+  std::array<int, 3> dims_;
+  int first_, last_;
+  std::size_t stride_;  // a row may be written up to kLanes - 1 points past its end
+  std::vector<double> sums_;
+  std::vector<Lanes> dx2_;  // (dx/sigma)^2 of the columns in reach, kept between particles
 };
 
-/// Adds w (1 - r^2)^3 to the points of a slab; centre and sigma in units of the spacing from the lattice's
-/// origin.
-void scatter(const Vec3& centre, double sigma, double weight, const std::array<int, 3>& dims,
-             const Slab& slab, std::vector<double>& sums) {
+void Slab::add(const Vec3& centre, double sigma, double weight) {
+  const IndexRange planes(centre[2], sigma, first_, last_), rows(centre[1], sigma, 0, dims_[1] - 1),
+      columns(centre[0], sigma, 0, dims_[0] - 1);
   const double inverse_sigma2 = 1 / (sigma * sigma);
-  const IndexRange planes(centre[2], sigma, slab.first, slab.last);
-  const IndexRange rows(centre[1], sigma, 0, dims[1] - 1);
+  dx2_.clear();
+  for (int i = columns.first; i <= columns.last; i += kLanes)
+    dx2_.push_back((Lanes(0, 1, 2, 3) + (i - centre[0])).square() * inverse_sigma2);
+  const std::size_t blocks = dx2_.size();
   for (int k = planes.first; k <= planes.last; ++k)
     for (int j = rows.first; j <= rows.last; ++j) {
-      const double dy = j - centre[1], dz = k - centre[2], reach2 = sigma * sigma - dy * dy - dz * dz;
-      if (reach2 <= 0) continue;
-      const IndexRange columns(centre[0], std::sqrt(reach2), 0, dims[0] - 1);
-      double* row = sums.data() + (static_cast<std::size_t>(k - slab.first) * dims[1] + j) * dims[0];
-#pragma omp simd
-      for (int i = columns.first; i <= columns.last; ++i) {
-        const double dx = i - centre[0], u = std::max(0.0, (reach2 - dx * dx) * inverse_sigma2);
-        row[i] += weight * u * u * u;
+      const double dy = j - centre[1], dz = k - centre[2], u_yz = 1 - (dy * dy + dz * dz) * inverse_sigma2;
+      if (u_yz <= 0) continue;
+      double* sums = row(j, k) + columns.first;
+      for (std::size_t b = 0; b < blocks; ++b, sums += kLanes) {
+        const Lanes u = (u_yz - dx2_[b]).max(0.0);
+        Eigen::Map<Lanes>(sums) += weight * u * u * u;
       }
     }
+}
+
+void Slab::write(double threshold, std::vector<float>& value) const {
+  const std::size_t rows = static_cast<std::size_t>(dims_[1]) * (last_ - first_ + 1);
+  float* out = value.data() + static_cast<std::size_t>(dims_[0]) * dims_[1] * first_;
+  for (std::size_t r = 0; r < rows; ++r)
+    for (int i = 0; i < dims_[0]; ++i) *out++ = static_cast<float>(sums_[r * stride_ + i] - threshold);
 }
 
 }  // namespace
 
 void ParticleField::sample(SampledField& samples) const {
   const auto& dims = samples.dims;
-  const std::size_t plane = static_cast<std::size_t>(dims[0]) * dims[1];
-  samples.value.resize(plane * dims[2]);
+  samples.value.resize(static_cast<std::size_t>(dims[0]) * dims[1] * dims[2]);
   const double inverse_spacing = 1 / samples.spacing;
-  const auto slabs = static_cast<std::size_t>((dims[2] + kSlabPlanes - 1) / kSlabPlanes);
   const auto fill_slab = [&](std::size_t s) {
     const int first = static_cast<int>(s) * kSlabPlanes;
-    const Slab slab{first, std::min(first + kSlabPlanes, dims[2]) - 1};
-    std::vector<double> sums(plane * (slab.last - slab.first + 1), 0.0);
+    Slab slab(dims, first);
     for (std::size_t p = 0; p < x_.size(); ++p) {
-      const double z = (z_[p] - samples.origin[2]) * inverse_spacing,
-                   sigma = source_[p].sigma * inverse_spacing;
-      if (z + sigma < slab.first || z - sigma > slab.last) continue;
-      const Vec3 centre((x_[p] - samples.origin[0]) * inverse_spacing,
-                        (y_[p] - samples.origin[1]) * inverse_spacing, z);
-      scatter(centre, sigma, weight_[p], dims, slab, sums);
+      const Vec3 centre = inverse_spacing * (Vec3(x_[p], y_[p], z_[p]) - samples.origin);
+      const double sigma = source_[p].sigma * inverse_spacing;
+      if (centre[2] + sigma >= first && centre[2] - sigma <= first + kSlabPlanes)
+        slab.add(centre, sigma, weight_[p]);
     }
-    std::transform(sums.begin(), sums.end(),
-                   samples.value.begin() + static_cast<std::ptrdiff_t>(plane * first),
-                   [&](double sum) { return static_cast<float>(sum - threshold_); });
+    slab.write(threshold_, samples.value);
   };
-  parallel_for(slabs, fill_slab, 1);
+  parallel_for(static_cast<std::size_t>((dims[2] + kSlabPlanes - 1) / kSlabPlanes), fill_slab, 1);
 }
 
 }  // namespace kappaflow

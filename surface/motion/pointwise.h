@@ -2,7 +2,7 @@
 // velocity, their damped least-squares solution, and the loop over the batch.
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cmath>
 
 #include "core/parallel.h"
