@@ -10,11 +10,9 @@ namespace kappaflow {
 
 /// An oriented triangle mesh, counter-clockwise seen from outside. Vertex arrays have one entry a vertex.
 struct TriangleMesh {
-  std::vector<Vec3> position;  ///< [m]
-  std::vector<Vec3>
-      rest_position;  ///< where the vertex was in the initial mesh [m]: a seamless 3D texture coordinate
-  std::vector<char>
-      unprojected;  ///< 1 where the last projection on f = 0 failed and the vertex stayed where it was
+  std::vector<Vec3> position;       ///< [m]
+  std::vector<Vec3> rest_position;  ///< position in the initial mesh [m]: a seamless 3D texture coordinate
+  std::vector<char> unprojected;    ///< 1 where the last projection on f = 0 failed
   std::vector<Triangle> triangles;
 
   std::size_t vertex_count() const { return position.size(); }

@@ -10,9 +10,8 @@
 namespace kappaflow {
 
 struct FairingOptions {
-  int iterations = 10;  ///< relaxations a step; 0 switches fairing off
-  double relaxation =
-      0.5;  ///< share of the way to the springs' equilibrium that an iteration goes, in (0, 1]
+  int iterations = 10;            ///< relaxations a step; 0 switches fairing off
+  double relaxation = 0.5;        ///< share of the way to the springs' equilibrium an iteration goes, (0, 1]
   double rest_length_time = 0.5;  ///< rest lengths follow the current lengths with this time constant [s]
 };
 

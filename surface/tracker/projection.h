@@ -10,16 +10,15 @@ namespace kappaflow {
 struct ProjectionOptions {
   double tolerance = 1e-4;   ///< stop when |f|/|g| is below this share of Field::length_scale()
   double step_limit = 0.25;  ///< longest single move, as a share of Field::length_scale()
-  double reach =
-      1;  ///< longest total move, as a share of Field::length_scale(); beyond it the projection failed
-  int iterations = 20;
+  double reach = 1;          ///< longest total move, as a share of Field::length_scale(); beyond: failure
+  int iterations = 20;       ///< evaluations after the first
 };
 
 /// One point on the surface, or the point itself where there is none in reach.
 struct Projected {
   Vec3 position;                 ///< on the surface if converged, else where it was [m]
   Vec3 gradient = Vec3::Zero();  ///< grad f at position [1/m]
-  double residual = 0;  ///< |f|/|g| at position over Field::length_scale(); infinite where g vanishes
+  double residual = 0;           ///< |f|/|g| there over Field::length_scale(); infinite where g vanishes
   bool converged = false;
 };
 

@@ -8,6 +8,7 @@
 #include "core/parallel.h"
 #include "surface/field/curvature.h"
 #include "surface/mesh/mesh_measures.h"
+#include "surface/motion/pointwise.h"
 
 namespace kappaflow {
 namespace {
@@ -27,9 +28,9 @@ void fill_geometry(const Field& field, std::span<const Vec3> position, SurfaceSt
   state.mean_curvature.resize(position.size());
   parallel_for(position.size(), [&](std::size_t v) {
     const Jet jet = field.jet(position[v]);
-    const double slope = jet.g.norm();
-    state.normal[v] = slope > 0 ? Vec3(-jet.g / slope) : Vec3::Zero();
-    const CurvatureJet curvature = slope > 0 ? curvature_jet(jet) : CurvatureJet{};
+    const bool regular = has_gradient(jet);
+    state.normal[v] = regular ? Vec3(-jet.g.normalized()) : Vec3::Zero();
+    const CurvatureJet curvature = regular ? curvature_jet(jet) : CurvatureJet{};
     state.gaussian_curvature[v] = curvature.K;
     state.mean_curvature[v] = curvature.H;
   });

@@ -12,13 +12,13 @@ namespace kappaflow {
 
 /// Arrays over the vertices at one instant.
 struct SurfaceState {
-  std::vector<Vec3> normal;  ///< outward unit normal of the field, -g/|g|; zero where g vanishes
-  std::vector<double> area;  ///< vertex_areas() [m2]
+  std::vector<Vec3> normal;                ///< outward unit normal of the field; zero where g vanishes
+  std::vector<double> area;                ///< vertex_areas() [m2]
   std::vector<double> gaussian_curvature;  ///< K [1/m2]
   std::vector<double> mean_curvature;      ///< H [1/m], > 0 on a sphere
   SurfaceVelocities motion;                ///< velocity and confidence of the method
-  std::vector<Vec3> material_velocity;  ///< velocity of the material at the vertex [m/s]; empty where unknown
-  std::vector<double> material_slip;  ///< |tangential velocity - that of material| [m/s]; empty where unknown
+  std::vector<Vec3> material_velocity;     ///< velocity of the material [m/s]; empty where unknown
+  std::vector<double> material_slip;       ///< its tangential distance to the method's [m/s]; empty likewise
 };
 
 SurfaceState surface_state(const Field& field, const TriangleMesh& mesh, const VertexRings& rings,

@@ -16,9 +16,9 @@ namespace kappaflow {
 struct TrackerOptions {
   std::string method = "curvature";  ///< name of the velocity method, see velocity_methods()
   TimeIntegrator integrator = TimeIntegrator::rk2;
-  VelocityOptions velocity;
-  ProjectionOptions projection;
-  FairingOptions fairing;
+  VelocityOptions velocity{};
+  ProjectionOptions projection{};
+  FairingOptions fairing{};
 };
 
 /// What one step did, for metrics and timings.

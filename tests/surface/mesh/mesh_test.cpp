@@ -1,0 +1,306 @@
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "core/errors.h"
+#include "surface/mesh/edge_edits.h"
+#include "surface/mesh/isosurface.h"
+#include "surface/mesh/mesh_measures.h"
+#include "tests/surface/mesh/analytic_fields.h"
+
+namespace kappaflow {
+namespace {
+
+using testing::EllipsoidField;
+using testing::TorusField;
+
+constexpr double kPi = std::numbers::pi;
+
+EllipsoidField sphere(double radius, const Vec3& centre = Vec3::Zero()) {
+  return {centre, Mat3::Identity(), Vec3::Constant(radius)};
+}
+
+/// Samples of random sign: every configuration of a marching-cubes cell, ambiguous ones included, side by
+/// side.
+class NoiseField final : public Field {
+ public:
+  NoiseField(unsigned seed, double inside_share, int cells)
+      : seed_(seed), share_(inside_share), cells_(cells) {}
+  double time() const override { return 0; }
+  Jet jet(const Vec3&) const override { return {}; }
+  ValueAndGradient value_and_gradient(const Vec3&) const override { return {}; }
+  Bounds bounds() const override { return {Vec3::Zero(), Vec3::Constant(cells_)}; }
+  double length_scale() const override { return 1; }
+  double fastest_speed() const override { return 0; }
+  void sample(SampledField& samples) const override {
+    std::mt19937 random(seed_);
+    std::uniform_real_distribution<float> uniform(0, 1);
+    samples.value.clear();
+    for (int k = 0; k < samples.dims[2]; ++k)
+      for (int j = 0; j < samples.dims[1]; ++j)
+        for (int i = 0; i < samples.dims[0]; ++i) {
+          const bool outermost = i == 0 || j == 0 || k == 0 || i == samples.dims[0] - 1 ||
+                                 j == samples.dims[1] - 1 || k == samples.dims[2] - 1;
+          const float size = uniform(random);
+          samples.value.push_back(!outermost && uniform(random) < static_cast<float>(share_) ? size : -size);
+        }
+  }
+
+ private:
+  unsigned seed_;
+  double share_;
+  int cells_;
+};
+
+/// Whether the triangles of every vertex form one closed fan.
+bool has_single_fans(const TriangleMesh& mesh) {
+  std::vector<std::map<int, int>> next(mesh.vertex_count());
+  for (const Triangle& t : mesh.triangles)
+    for (int corner = 0; corner < 3; ++corner) next[t[corner]][t[(corner + 1) % 3]] = t[(corner + 2) % 3];
+  for (const std::map<int, int>& fan : next) {
+    if (fan.empty()) return false;
+    std::size_t steps = 0;
+    int v = fan.begin()->first;
+    do {
+      const auto it = fan.find(v);
+      if (it == fan.end()) return false;
+      v = it->second;
+    } while (++steps <= fan.size() && v != fan.begin()->first);
+    if (steps != fan.size()) return false;
+  }
+  return true;
+}
+
+/// A closed oriented mesh of two tetrahedra that share nothing.
+TriangleMesh tetrahedra(int count) {
+  TriangleMesh mesh;
+  for (int i = 0; i < count; ++i) {
+    const Vec3 at(3.0 * i, 0, 0);
+    for (const Vec3& corner : {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)})
+      mesh.position.push_back(at + corner);
+    for (const Triangle& t : {Triangle{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}})
+      mesh.triangles.push_back({t[0] + 4 * i, t[1] + 4 * i, t[2] + 4 * i});
+  }
+  return make_triangle_mesh(mesh.position, mesh.triangles);
+}
+
+TEST(VertexRings, ListEveryNeighbourOnceAscending) {
+  const TriangleMesh mesh = extract_isosurface(testing::random_blobs(1, 40, 1.5), 0.3);
+  std::vector<std::set<int>> oracle(mesh.vertex_count());
+  for (const Triangle& t : mesh.triangles)
+    for (const int a : t)
+      for (const int b : t)
+        if (a != b) oracle[a].insert(b);
+  const VertexRings rings = vertex_rings(mesh.vertex_count(), mesh.triangles);
+  ASSERT_EQ(rings.start.size(), mesh.vertex_count() + 1);
+  for (int v = 0; v < static_cast<int>(mesh.vertex_count()); ++v)
+    EXPECT_TRUE(std::ranges::equal(rings.of(v), oracle[v])) << v;
+}
+
+TEST(VertexRings, VertexWithoutTrianglesHasNone) {
+  const std::vector<Triangle> triangle{{0, 1, 3}};
+  const VertexRings rings = vertex_rings(4, triangle);
+  EXPECT_TRUE(rings.of(2).empty());
+  EXPECT_EQ(rings.of(3).size(), 2u);
+}
+
+TEST(Measures, Tetrahedron) {
+  const TriangleMesh mesh = tetrahedra(1);
+  const AreaAndVolume measured = area_and_volume(mesh.position, mesh.triangles);
+  EXPECT_NEAR(measured.volume, 1.0 / 6, 1e-15);
+  EXPECT_NEAR(measured.area, 1.5 + std::sqrt(3.0) / 2, 1e-15);
+  const std::vector<double> areas = vertex_areas(mesh.position, mesh.triangles);
+  EXPECT_NEAR(areas[0], 0.5, 1e-15);
+  EXPECT_NEAR(areas[1], (1 + std::sqrt(3.0) / 2) / 3, 1e-15);
+}
+
+TEST(Measures, VolumeDoesNotCancelFarFromTheOrigin) {
+  TriangleMesh mesh = tetrahedra(1);
+  for (Vec3& x : mesh.position) x += Vec3::Constant(1e5);
+  EXPECT_NEAR(area_and_volume(mesh.position, mesh.triangles).volume, 1.0 / 6, 1e-10);
+}
+
+TEST(Measures, TriangleQuality) {
+  const Vec3 a(0, 0, 0), b(1, 0, 0);
+  EXPECT_NEAR(triangle_quality(a, b, Vec3(0.5, std::sqrt(0.75), 0)), 1, 1e-15);
+  EXPECT_NEAR(triangle_quality(a, b, Vec3(0, 1, 0)), 2 * (std::sqrt(2.0) - 1), 1e-15);
+  EXPECT_EQ(triangle_quality(a, b, Vec3(2, 0, 0)), 0);
+  EXPECT_EQ(triangle_quality(a, a, a), 0);
+  const Vec3 c(0.3, 0.2, -0.7);
+  const double la = (c - b).norm(), lb = c.norm(), lc = 1, s = (la + lb + lc) / 2;
+  EXPECT_NEAR(triangle_quality(a, b, c), 8 * (s - la) * (s - lb) * (s - lc) / (la * lb * lc), 1e-14);
+}
+
+TEST(Measures, SphereConvergesWithSecondOrder) {
+  std::vector<double> area_error, volume_error;
+  for (const double spacing : {0.2, 0.1, 0.05}) {
+    const TriangleMesh mesh = extract_isosurface(sphere(1.0, Vec3(0.3, -0.2, 7)), spacing);
+    const AreaAndVolume measured = area_and_volume(mesh.position, mesh.triangles);
+    area_error.push_back(std::abs(measured.area - 4 * kPi));
+    volume_error.push_back(std::abs(measured.volume - 4 * kPi / 3));
+    const QualityRange quality = triangle_qualities(mesh.position, mesh.triangles);
+    EXPECT_GT(quality.min, 0);
+    EXPECT_GT(quality.mean, quality.min);
+  }
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_NEAR(std::log2(area_error[i] / area_error[i + 1]), 2, 0.3);
+    EXPECT_NEAR(std::log2(volume_error[i] / volume_error[i + 1]), 2, 0.3);
+  }
+}
+
+TEST(Measures, SameBitsForAnyNumberOfThreads) {
+  const TriangleMesh mesh = extract_isosurface(testing::random_blobs(3, 60, 1.6), 0.1);
+  std::set<std::pair<double, double>> results;
+  std::set<double> qualities;
+  for (const std::size_t threads : {1, 2, 4}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    const AreaAndVolume measured = area_and_volume(mesh.position, mesh.triangles);
+    results.insert({measured.area, measured.volume});
+    qualities.insert(triangle_qualities(mesh.position, mesh.triangles).mean);
+  }
+  EXPECT_EQ(results.size(), 1u);
+  EXPECT_EQ(qualities.size(), 1u);
+}
+
+TEST(Topology, SphereTorusAndTwoSpheres) {
+  const TriangleMesh ball = extract_isosurface(sphere(1), 0.2);
+  const TriangleMesh torus = extract_isosurface(TorusField(1, 0.4), 0.1);
+  const MeshTopology of_ball = mesh_topology(ball.position, ball.triangles);
+  const MeshTopology of_torus = mesh_topology(torus.position, torus.triangles);
+  EXPECT_EQ(of_ball.components, 1);
+  EXPECT_EQ(of_ball.genus, 0);
+  EXPECT_EQ(of_torus.components, 1);
+  EXPECT_EQ(of_torus.genus, 1);
+  EXPECT_GT(area_and_volume(torus.position, torus.triangles).volume, 0);
+
+  const ParticleField two(testing::rotating_particles({Vec3(-2, 0, 0), Vec3(2, 0, 0)}, 1, 1), 0.3, 0);
+  const TriangleMesh pair = extract_isosurface(two, 0.15);
+  const MeshTopology of_pair = mesh_topology(pair.position, pair.triangles);
+  EXPECT_EQ(of_pair.components, 2);
+  EXPECT_EQ(of_pair.genus, 0);
+}
+
+TEST(Topology, ComponentsAreNumberedByFirstVertex) {
+  const TriangleMesh mesh = tetrahedra(3);
+  const std::vector<int> component = vertex_components(vertex_rings(mesh.vertex_count(), mesh.triangles));
+  EXPECT_EQ(component, (std::vector<int>{0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2}));
+}
+
+TEST(Topology, UnusedVerticesDoNotCount) {
+  TriangleMesh mesh = tetrahedra(2);
+  mesh.position.insert(mesh.position.begin(), Vec3(9, 9, 9));
+  for (Triangle& t : mesh.triangles)
+    for (int& v : t) ++v;
+  const MeshTopology topology = mesh_topology(mesh.position, mesh.triangles);
+  EXPECT_EQ(topology.components, 2);
+  EXPECT_EQ(topology.genus, 0);
+}
+
+TEST(Topology, OpenMisorientedAndDoubledMeshesAreRefused) {
+  const TriangleMesh closed = tetrahedra(1);
+  std::vector<Triangle> open = closed.triangles, misoriented = closed.triangles, doubled = closed.triangles;
+  open.pop_back();
+  std::swap(misoriented[0][0], misoriented[0][1]);
+  doubled.push_back(doubled[0]);
+  EXPECT_THROW(mesh_topology(closed.position, open), TopologyError);
+  EXPECT_THROW(mesh_topology(closed.position, misoriented), TopologyError);
+  EXPECT_THROW(mesh_topology(closed.position, doubled), TopologyError);
+}
+
+TEST(Isosurface, ClosedManifoldWhateverTheSigns) {
+  for (unsigned seed = 0; seed < 25; ++seed) {
+    const NoiseField field(seed, 0.1 + 0.03 * seed, 12);
+    const TriangleMesh mesh = extract_isosurface(field, 1);
+    EXPECT_NO_THROW(mesh_topology(mesh.position, mesh.triangles)) << seed;
+    EXPECT_TRUE(has_single_fans(mesh)) << seed;
+    EXPECT_GT(area_and_volume(mesh.position, mesh.triangles).volume, 0) << seed;
+  }
+}
+
+TEST(Isosurface, ClosedManifoldOutwardOnBlobs) {
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    const ParticleField field = testing::random_blobs(seed, 120, 2.2);
+    const TriangleMesh mesh = extract_isosurface(field, 0.17);
+    EXPECT_NO_THROW(mesh_topology(mesh.position, mesh.triangles)) << seed;
+    EXPECT_TRUE(has_single_fans(mesh)) << seed;
+    // Triangles much smaller than a cell may lie askew; together they are next to nothing.
+    double area = 0, inward_area = 0;
+    for (const Triangle& t : mesh.triangles) {
+      const Vec3 &a = mesh.position[t[0]], &b = mesh.position[t[1]], &c = mesh.position[t[2]];
+      const Vec3 twice_area = (b - a).cross(c - a);
+      area += twice_area.norm();
+      if (twice_area.dot(field.value_and_gradient((a + b + c) / 3).g) > 0) inward_area += twice_area.norm();
+    }
+    EXPECT_LT(inward_area, 1e-3 * area);
+  }
+}
+
+TEST(Isosurface, SamplesOfExactlyZeroKeepVerticesApart) {
+  // The lattice starts at -1.5: the sphere of radius 1 passes exactly through six of its points.
+  const TriangleMesh mesh = extract_isosurface(sphere(1), 0.5);
+  EXPECT_EQ(mesh_topology(mesh.position, mesh.triangles).genus, 0);
+  const auto less = [](const Vec3& a, const Vec3& b) {
+    return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
+  };
+  const std::set<Vec3, decltype(less)> distinct(mesh.position.begin(), mesh.position.end());
+  EXPECT_EQ(distinct.size(), mesh.vertex_count());
+}
+
+TEST(Isosurface, VerticesAreNearTheSurfaceAndAllUsed) {
+  const TriangleMesh mesh = extract_isosurface(sphere(1, Vec3(100, 0, 0)), 0.1);
+  std::vector<char> used(mesh.vertex_count(), 0);
+  for (const Triangle& t : mesh.triangles)
+    for (const int v : t) used[v] = 1;
+  EXPECT_EQ(std::ranges::count(used, 0), 0);
+  for (const Vec3& x : mesh.position) EXPECT_NEAR((x - Vec3(100, 0, 0)).norm(), 1, 0.1 * 0.1 / 4);
+  EXPECT_EQ(mesh.rest_position, mesh.position);
+  EXPECT_EQ(mesh.unprojected, std::vector<char>(mesh.vertex_count(), 0));
+}
+
+TEST(Isosurface, EmptyFieldsAndWrongSpacings) {
+  const ParticleField below(testing::rotating_particles({Vec3::Zero()}, 1, 1), 1.5, 0);
+  EXPECT_EQ(extract_isosurface(below, 0.2).vertex_count(), 0u);
+  const ParticleField none(FieldParticles{}, 0.5, 0);
+  EXPECT_EQ(extract_isosurface(none, 0.2).vertex_count(), 0u);
+  for (const double spacing : {0.0, -1.0, std::nan(""), HUGE_VAL})
+    EXPECT_THROW(extract_isosurface(sphere(1), spacing), InvalidInput) << spacing;
+  EXPECT_THROW(extract_isosurface(sphere(1), 1e-4), InvalidInput);
+}
+
+TEST(EdgeEdits, RefuseToBreakATetrahedron) {
+  TriangleMesh mesh = tetrahedra(1);
+  const std::vector<Triangle> before = mesh.triangles;
+  EdgeEdits edits(mesh.position, mesh.triangles);
+  EXPECT_FALSE(edits.collapse(0, 1, 10));
+  EXPECT_FALSE(edits.flip(0, 1));
+  EXPECT_EQ(mesh.triangles, before);
+  EXPECT_EQ(edits.opposite(0, 1), (std::array<int, 2>{3, 2}));
+}
+
+TEST(EdgeEdits, RandomEditsKeepTheMeshClosedAndManifold) {
+  for (unsigned seed = 0; seed < 6; ++seed) {
+    TriangleMesh mesh = extract_isosurface(testing::random_blobs(seed, 50, 1.5), 0.35);
+    const MeshTopology before = mesh_topology(mesh.position, mesh.triangles);
+    std::mt19937 random(seed);
+    EdgeEdits edits(mesh.position, mesh.triangles);
+    int done = 0;
+    for (int i = 0; i < 3000; ++i) {
+      const Triangle t = mesh.triangles[random() % mesh.triangles.size()];
+      if (t[0] < 0) continue;
+      done += random() % 2 == 0 ? edits.collapse(t[0], t[1], 2) : edits.flip(t[0], t[1]);
+    }
+    edits.compact();
+    mesh = make_triangle_mesh(mesh.position, mesh.triangles);
+    const MeshTopology after = mesh_topology(mesh.position, mesh.triangles);
+    EXPECT_GT(done, 100);
+    EXPECT_EQ(after.components, before.components);
+    EXPECT_EQ(after.genus, before.genus);
+    EXPECT_TRUE(has_single_fans(mesh));
+  }
+}
+
+}  // namespace
+}  // namespace kappaflow

@@ -1,0 +1,495 @@
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "core/errors.h"
+#include "surface/field/particle_motion.h"
+#include "surface/mesh/isosurface.h"
+#include "surface/mesh/mesh_measures.h"
+#include "surface/tracker/initial_mesh.h"
+#include "surface/tracker/material_tracers.h"
+#include "surface/tracker/surface_state.h"
+#include "surface/tracker/surface_tracker.h"
+#include "tests/surface/mesh/analytic_fields.h"
+
+namespace kappaflow {
+namespace {
+
+using testing::EllipsoidField;
+using testing::FunctionMotion;
+using testing::TorusField;
+
+constexpr double kPi = std::numbers::pi;
+
+EllipsoidField sphere(double radius) {
+  return {Vec3::Zero(), Mat3::Identity(), Vec3::Constant(radius)};
+}
+
+ParticleField lone_particle() {
+  return ParticleField(testing::rotating_particles({Vec3::Zero()}, 1, 1), 0.3, 0);
+}
+
+double largest_distance(std::span<const Vec3> a, std::span<const Vec3> b) {
+  double largest = 0;
+  for (std::size_t v = 0; v < a.size(); ++v) largest = std::max(largest, (a[v] - b[v]).norm());
+  return largest;
+}
+
+TEST(Projection, ConvergesQuadratically) {
+  const EllipsoidField field(Vec3(1, 2, 3), testing::rotation(Vec3(0.3, 0.5, -1)), Vec3(1, 0.7, 0.5));
+  const Vec3 start = Vec3(1, 2, 3) + Vec3(0.45, 0.3, 0.32);
+  std::vector<double> residual;
+  for (int iterations = 0; iterations < 4; ++iterations) {
+    // The tolerance is never met: the residual after each iteration is taken from where a looser one would
+    // stop.
+    double tolerance = 1;
+    Projected projected = project(field, start, {.tolerance = tolerance});
+    for (int i = 0; i < iterations; ++i) {
+      tolerance = 0.999 * projected.residual;
+      projected = project(field, start, {.tolerance = tolerance});
+    }
+    ASSERT_TRUE(projected.converged);
+    residual.push_back(projected.residual);
+  }
+  for (int i = 0; i < 3; ++i) EXPECT_LT(residual[i + 1], 2 * residual[i] * residual[i]) << i;
+  EXPECT_LT(residual[3], 1e-6);
+}
+
+TEST(Projection, ReachesTheSurfaceFromBothSidesAndReportsTheGradient) {
+  const ParticleField field = lone_particle();
+  const double radius = std::sqrt(1 - std::cbrt(0.3));
+  for (const double from : {0.1, 0.4, 0.7, 0.9}) {
+    const Vec3 x = from * Vec3(1, -2, 2) / 3;
+    const Projected projected = project(field, x, {.tolerance = 1e-12});
+    ASSERT_TRUE(projected.converged) << from;
+    EXPECT_NEAR(projected.position.norm(), radius, 1e-11);
+    EXPECT_LE(projected.residual, 1e-12);
+    EXPECT_LT((projected.position.normalized() - x.normalized()).norm(), 1e-12);
+    EXPECT_EQ(projected.gradient, field.value_and_gradient(projected.position).g);
+  }
+}
+
+TEST(Projection, LeavesPointsOnTheSurfaceAlone) {
+  const EllipsoidField field = sphere(1);
+  const Vec3 x(0, 0, 1 + 5e-5);
+  EXPECT_EQ(project(field, x, {.tolerance = 1e-4}).position, x);
+  EXPECT_TRUE(project(field, x, {.tolerance = 1e-4}).converged);
+}
+
+TEST(Projection, NeverGoesFurtherThanTheReach) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> along(-2.5, 2.5);
+  const ParticleField field = testing::random_blobs(2, 30, 1.5);
+  int converged = 0, failed = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const Vec3 x(along(random), along(random), along(random));
+    const Projected projected = project(field, x, {.tolerance = 1e-6, .reach = 0.5});
+    EXPECT_LE((projected.position - x).norm(), 0.5);
+    if (projected.converged) {
+      const ValueAndGradient at = field.value_and_gradient(projected.position);
+      EXPECT_LE(std::abs(at.f) / at.g.norm(), 1e-6);
+      EXPECT_LE(projected.residual, 1e-6);
+    } else {
+      EXPECT_EQ(projected.position, x);
+    }
+    ++(projected.converged ? converged : failed);
+  }
+  EXPECT_GT(converged, 300);
+  EXPECT_GT(failed, 300);
+}
+
+TEST(Projection, FailsCleanlyWhereThereIsNoGradient) {
+  const ParticleField field = lone_particle();
+  for (const Vec3& x : {Vec3(3, 0, 0), Vec3(0, 0, 0), Vec3(std::nan(""), 0, 0), Vec3(0, HUGE_VAL, 0)}) {
+    const Projected projected = project(field, x, {});
+    EXPECT_FALSE(projected.converged) << x.transpose();
+    EXPECT_TRUE((projected.position.array() == x.array() || x.array().isNaN()).all());
+    EXPECT_GT(projected.residual, 0.1);
+  }
+}
+
+TEST(Projection, FailsWhereTheFieldHasALocalMaximumBelowZero) {
+  const ParticleField below(testing::rotating_particles({Vec3::Zero()}, 1, 1), 1.2, 0);
+  for (const double x : {0.05, 0.2, 0.5, 0.8}) EXPECT_FALSE(project(below, Vec3(x, 0, 0), {}).converged) << x;
+}
+
+TEST(Projection, AllFlagsFailuresAndReturnsTheLargestResidual) {
+  const ParticleField field = lone_particle();
+  std::vector<Vec3> position{Vec3(0.5, 0, 0), Vec3(5, 0, 0), Vec3(0, 0.7, 0)};
+  std::vector<char> unprojected(3, 7);
+  const double residual = project_all(field, {}, position, unprojected);
+  EXPECT_EQ(unprojected, (std::vector<char>{0, 1, 0}));
+  EXPECT_EQ(position[1], Vec3(5, 0, 0));
+  EXPECT_GT(residual, 0);
+  EXPECT_LE(residual, ProjectionOptions{}.tolerance);
+}
+
+TEST(InitialMesh, HasWellShapedTriangles) {
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    const ParticleField field = testing::random_blobs(seed, 60, 1.6);
+    const TriangleMesh raw = extract_isosurface(field, 0.2), mesh = initial_mesh(field, 0.2, {});
+    const MeshTopology topology = mesh_topology(mesh.position, mesh.triangles),
+                       of_raw = mesh_topology(raw.position, raw.triangles);
+    EXPECT_EQ(topology.components, of_raw.components);
+    EXPECT_EQ(topology.genus, of_raw.genus);
+    const QualityRange quality = triangle_qualities(mesh.position, mesh.triangles);
+    EXPECT_GT(quality.min, 0.2) << seed;
+    EXPECT_GT(quality.mean, 0.9) << seed;
+    EXPECT_EQ(std::ranges::count(mesh.unprojected, 1), 0);
+    EXPECT_EQ(mesh.rest_position, mesh.position);
+    for (const Vec3& x : mesh.position) {
+      const ValueAndGradient at = field.value_and_gradient(x);
+      EXPECT_LE(std::abs(at.f) / at.g.norm(), ProjectionOptions{}.tolerance);
+    }
+  }
+}
+
+TEST(InitialMesh, EmptyWhereThereIsNoSurface) {
+  const ParticleField below(testing::rotating_particles({Vec3::Zero()}, 1, 1), 1.5, 0);
+  EXPECT_EQ(initial_mesh(below, 0.2, {}).vertex_count(), 0u);
+}
+
+/// A sphere's mesh whose vertices have been displaced along the surface.
+TriangleMesh distorted(const TriangleMesh& mesh, const Field& field, double size) {
+  TriangleMesh moved = mesh;
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> along(-size, size);
+  for (Vec3& x : moved.position)
+    x = project(field, x + Vec3(along(random), along(random), along(random)), {.tolerance = 1e-8}).position;
+  return moved;
+}
+
+TEST(Fairing, MeshAtRestStaysAsItIs) {
+  const TorusField field(1, 0.45);
+  TriangleMesh mesh = initial_mesh(field, 0.15, {});
+  const std::vector<Vec3> before = mesh.position;
+  const VertexRings rings = vertex_rings(mesh.vertex_count(), mesh.triangles);
+  FairingState state = fairing_state(mesh, rings);
+  fair(field, rings, {.iterations = 20}, {}, 0.1, mesh, state);
+  EXPECT_EQ(mesh.position, before);
+}
+
+TEST(Fairing, EvensOutADistortedMeshOnTheSurface) {
+  const EllipsoidField field = sphere(1);
+  const TriangleMesh good = initial_mesh(field, 0.15, {.tolerance = 1e-8});
+  const VertexRings rings = vertex_rings(good.vertex_count(), good.triangles);
+  TriangleMesh mesh = distorted(good, field, 0.06);
+  const QualityRange bad = triangle_qualities(mesh.position, mesh.triangles);
+  FairingState state = fairing_state(good, rings);
+  const double residual = fair(field, rings, {.iterations = 40}, {.tolerance = 1e-8}, 0, mesh, state);
+  const QualityRange faired = triangle_qualities(mesh.position, mesh.triangles);
+  const QualityRange best = triangle_qualities(good.position, good.triangles);
+  EXPECT_LT(bad.mean, best.mean - 0.1);
+  EXPECT_GT(faired.mean, best.mean - 0.02);
+  EXPECT_GT(faired.min, best.min - 0.1);
+  EXPECT_LE(residual, 1e-8);
+  for (const Vec3& x : mesh.position) EXPECT_NEAR(x.norm(), 1, 2e-8);
+}
+
+TEST(Fairing, OrderOfTheVerticesDoesNotMatter) {
+  const EllipsoidField field = sphere(1);
+  const TriangleMesh good = initial_mesh(field, 0.3, {});
+  const TriangleMesh start = distorted(good, field, 0.1);
+  std::vector<int> order(good.vertex_count());
+  std::iota(order.begin(), order.end(), 0);
+  std::shuffle(order.begin(), order.end(), std::mt19937(3));
+
+  const auto faired = [&](const std::vector<int>& index) {  // vertex v becomes vertex index[v]
+    TriangleMesh rest = good, mesh = start;
+    for (std::size_t v = 0; v < index.size(); ++v) {
+      rest.position[index[v]] = good.position[v];
+      mesh.position[index[v]] = start.position[v];
+    }
+    for (Triangle& t : mesh.triangles)
+      for (int& v : t) v = index[v];
+    const VertexRings rings = vertex_rings(mesh.vertex_count(), mesh.triangles);
+    FairingState state = fairing_state(rest, rings);
+    fair(field, rings, {.iterations = 5}, {.tolerance = 1e-10}, 0.1, mesh, state);
+    std::vector<Vec3> position(index.size());
+    for (std::size_t v = 0; v < index.size(); ++v) position[v] = mesh.position[index[v]];
+    return position;
+  };
+  std::vector<int> identity(order.size());
+  std::iota(identity.begin(), identity.end(), 0);
+  EXPECT_LT(largest_distance(faired(identity), faired(order)), 1e-12);
+  EXPECT_GT(largest_distance(faired(identity), start.position), 0.02);
+}
+
+TEST(Fairing, RestLengthsRelaxExponentially) {
+  const EllipsoidField field = sphere(1);
+  TriangleMesh mesh = initial_mesh(field, 0.3, {});
+  const VertexRings rings = vertex_rings(mesh.vertex_count(), mesh.triangles);
+  FairingState state = fairing_state(mesh, rings);
+  const std::vector<double> length = state.rest_length;
+  for (double& rest : state.rest_length) rest *= 1.5;
+  fair(field, rings, {.iterations = 0, .rest_length_time = 0.2}, {}, 0.1, mesh, state);
+  for (std::size_t k = 0; k < length.size(); ++k)
+    EXPECT_NEAR(state.rest_length[k], length[k] * (1 + 0.5 * std::exp(-0.5)), 1e-12);
+}
+
+TEST(Fairing, LostVertexIsPulledBackByItsNeighbours) {
+  const ParticleField field = lone_particle();
+  TriangleMesh mesh = initial_mesh(field, 0.2, {});
+  const VertexRings rings = vertex_rings(mesh.vertex_count(), mesh.triangles);
+  FairingState state = fairing_state(mesh, rings);
+  mesh.position[0] *= 4;
+  fair(field, rings, {.iterations = 0}, {}, 0.1, mesh, state);
+  EXPECT_EQ(mesh.unprojected[0], 1);
+  EXPECT_EQ(std::ranges::count(mesh.unprojected, 1), 1);
+  fair(field, rings, {.iterations = 10}, {}, 0.1, mesh, state);
+  EXPECT_EQ(std::ranges::count(mesh.unprojected, 1), 0);
+}
+
+/// An ellipsoid that turns with a constant angular velocity while its centre moves.
+auto moving_ellipsoid(double t0, double t1) {
+  return FunctionMotion(t0, t1, [](double t) -> std::shared_ptr<const Field> {
+    const Vec3 velocity(0.3, -0.1, 0.2), spin(0.6, 1.1, -0.7);
+    return std::make_shared<EllipsoidField>(velocity * t, testing::rotation(spin * t), Vec3(1, 0.7, 0.5),
+                                            velocity, spin, t);
+  });
+}
+
+Vec3 moved_with_ellipsoid(const Vec3& x, double t) {
+  return Vec3(0.3, -0.1, 0.2) * t + testing::rotation(Vec3(0.6, 1.1, -0.7) * t) * x;
+}
+
+double trajectory_error(TimeIntegrator integrator, int steps) {
+  const TriangleMesh start = initial_mesh(*moving_ellipsoid(0, 1).at(0), 0.3, {.tolerance = 1e-13});
+  SurfaceTracker tracker(start, {.method = "material",
+                                 .integrator = integrator,
+                                 .projection = {.tolerance = 1e-13},
+                                 .fairing = {.iterations = 0}});
+  for (int n = 0; n < steps; ++n) {
+    auto motion = moving_ellipsoid(2.0 * n / steps, 2.0 * (n + 1) / steps);
+    EXPECT_EQ(tracker.step(motion).unprojected, 0u);
+  }
+  double largest = 0;
+  for (std::size_t v = 0; v < start.vertex_count(); ++v)
+    largest =
+        std::max(largest, (tracker.mesh().position[v] - moved_with_ellipsoid(start.position[v], 2)).norm());
+  return largest;
+}
+
+TEST(Tracker, IntegratorsHaveTheirOrder) {
+  const auto order = [](TimeIntegrator integrator, int steps) {
+    return std::log2(trajectory_error(integrator, steps) / trajectory_error(integrator, 2 * steps));
+  };
+  EXPECT_NEAR(order(TimeIntegrator::euler, 80), 1, 0.15);
+  EXPECT_NEAR(order(TimeIntegrator::rk2, 40), 2, 0.15);
+  EXPECT_NEAR(order(TimeIntegrator::rk4, 20), 4, 0.25);
+}
+
+TEST(Tracker, RefusesAnUnknownMethod) {
+  EXPECT_THROW(SurfaceTracker(TriangleMesh{}, {.method = "no such method"}), InvalidInput);
+}
+
+std::vector<Vec3> three_on_a_circle(double radius) {
+  std::vector<Vec3> centre;
+  for (int i = 0; i < 3; ++i)
+    centre.push_back(testing::rotation(2 * kPi / 3 * i * Vec3::UnitZ()) * Vec3(radius, 0, 0));
+  return centre;
+}
+
+TEST(Tracker, ReproducesATranslationWithFairing) {
+  Particles at_t0;
+  for (int i = 0; i < 27; ++i) {
+    at_t0.id.push_back(i);
+    at_t0.position.push_back(0.5 * Vec3(i % 3, i / 3 % 3, i / 9) +
+                             0.1 * Vec3(std::sin(i), std::cos(2 * i), std::sin(3 * i)));
+    at_t0.velocity.push_back(Vec3(0.4, -0.3, 0.2));
+  }
+  const ParticleFieldOptions options{.sigma = 1, .threshold = 1.5};
+  const TriangleMesh start = initial_mesh(*particle_field(at_t0, options), 0.25, {});
+  SurfaceTracker tracker(start, {.method = "material"});
+  for (int n = 0; n < 5; ++n) {
+    Particles at_t1 = at_t0;
+    at_t1.time += 0.1;
+    for (Vec3& x : at_t1.position) x += 0.1 * Vec3(0.4, -0.3, 0.2);
+    ParticleMotion motion(at_t0, at_t1, options);
+    const TrackerStep step = tracker.step(motion);
+    EXPECT_EQ(step.unprojected, 0u);
+    EXPECT_LE(step.residual_max, ProjectionOptions{}.tolerance);
+    at_t0 = at_t1;
+  }
+  for (std::size_t v = 0; v < start.vertex_count(); ++v)
+    EXPECT_LT((tracker.mesh().position[v] - start.position[v] - 0.5 * Vec3(0.4, -0.3, 0.2)).norm(), 1e-3);
+}
+
+TEST(Tracker, SameBitsForAnyNumberOfThreads) {
+  std::vector<std::vector<Vec3>> result;
+  for (const std::size_t threads : {1, 2, 4}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    auto first = testing::turning_particles(0, 0.02, three_on_a_circle(0.5), 1, 0.3);
+    auto second = testing::turning_particles(0.02, 0.04, three_on_a_circle(0.5), 1, 0.3);
+    SurfaceTracker tracker(initial_mesh(*first.at(0), 0.06, {}),
+                           {.velocity = {.damping = 1e-3, .speed_limit = 4}});
+    tracker.step(first);
+    tracker.step(second);
+    result.push_back(tracker.mesh().position);
+  }
+  EXPECT_EQ(result[0], result[1]);
+  EXPECT_EQ(result[0], result[2]);
+}
+
+TEST(Tracker, StageOutsideTheSupportStaysFiniteAndIsFlagged) {
+  // The particle jumps by three radii in a step: the midpoint stage and the end lie outside its support.
+  auto motion = FunctionMotion(0, 0.5, [](double t) -> std::shared_ptr<const Field> {
+    FieldParticles particles = testing::rotating_particles({Vec3(6 * t, 0, 0)}, 1, 0);
+    return std::make_shared<ParticleField>(particles, 0.3, t);
+  });
+  SurfaceTracker tracker(initial_mesh(*motion.at(0), 0.2, {}), {.integrator = TimeIntegrator::rk4});
+  const TrackerStep step = tracker.step(motion);
+  EXPECT_EQ(step.unprojected, tracker.mesh().vertex_count());
+  for (const Vec3& x : tracker.mesh().position) EXPECT_TRUE(x.allFinite());
+  const SurfaceState state =
+      surface_state(*motion.at(0.5), tracker.mesh(), tracker.rings(), tracker.method(), {});
+  for (std::size_t v = 0; v < state.normal.size(); ++v) {
+    EXPECT_TRUE(state.normal[v].allFinite() && state.motion.velocity[v].allFinite());
+    EXPECT_TRUE(std::isfinite(state.gaussian_curvature[v]) && std::isfinite(state.mean_curvature[v]));
+  }
+}
+
+TEST(Tracker, EveryVertexIsOnTheSurfaceOrFlaggedInATearingFlow) {
+  // Two blobs that are pulled apart: the neck tears and leaves vertices behind.
+  const auto field_at = [](double t) -> std::shared_ptr<const Field> {
+    FieldParticles particles = testing::rotating_particles({Vec3(-0.4 - t, 0, 0), Vec3(0.4 + t, 0, 0)}, 1, 0);
+    particles.velocity = {Vec3(-1, 0, 0), Vec3(1, 0, 0)};
+    return std::make_shared<ParticleField>(particles, 0.3, t);
+  };
+  SurfaceTracker tracker(initial_mesh(*field_at(0), 0.15, {}), {.method = "curvature"});
+  for (int n = 0; n < 20; ++n) {
+    FunctionMotion motion(0.05 * n, 0.05 * (n + 1), field_at);
+    tracker.step(motion);
+    const std::shared_ptr<const Field> field = motion.at(motion.t1());
+    for (std::size_t v = 0; v < tracker.mesh().vertex_count(); ++v) {
+      const ValueAndGradient at = field->value_and_gradient(tracker.mesh().position[v]);
+      EXPECT_TRUE(tracker.mesh().unprojected[v] ||
+                  std::abs(at.f) / at.g.norm() <= ProjectionOptions{}.tolerance);
+    }
+  }
+}
+
+TEST(State, GaussBonnetWithSecondOrder) {
+  const TorusField torus(1, 0.4);
+  const EllipsoidField ellipsoid(Vec3(0.2, 0, 0), testing::rotation(Vec3(1, 2, 3)), Vec3(1, 0.8, 0.6));
+  const std::vector<std::pair<const Field*, double>> cases{{&torus, 0.0}, {&ellipsoid, 4 * kPi}};
+  for (const auto& [field, expected] : cases) {
+    std::vector<double> error;
+    for (const double spacing : {0.2, 0.05}) {
+      const TriangleMesh mesh = initial_mesh(*field, spacing, {.tolerance = 1e-10});
+      const VertexRings rings = vertex_rings(mesh.vertex_count(), mesh.triangles);
+      const SurfaceState state = surface_state(*field, mesh, rings, velocity_method("normal"), {});
+      double sum = 0;
+      for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+        sum += state.gaussian_curvature[v] * state.area[v];
+      error.push_back(std::abs(sum - expected));
+      EXPECT_FALSE(slip(state).has_value() && field == &torus);
+    }
+    EXPECT_GT(std::log2(error[0] / error[1]) / 2, 1.8);
+    EXPECT_LT(error[1], 0.02);
+  }
+}
+
+TEST(State, SphereHasItsCurvaturesAndOutwardNormals) {
+  const EllipsoidField field = sphere(2);
+  const TriangleMesh mesh = initial_mesh(field, 0.4, {.tolerance = 1e-12});
+  const SurfaceState state = surface_state(field, mesh, vertex_rings(mesh.vertex_count(), mesh.triangles),
+                                           velocity_method("normal"), {});
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+    EXPECT_NEAR(state.mean_curvature[v], 0.5, 1e-10);
+    EXPECT_NEAR(state.gaussian_curvature[v], 0.25, 1e-10);
+    EXPECT_LT((state.normal[v] - mesh.position[v] / 2).norm(), 1e-10);
+  }
+}
+
+TEST(State, MaterialCapturesTheRotationWithoutSlipAndNormalHasTheSlipOne) {
+  const Vec3 spin(0.4, -0.2, 1.5);
+  const EllipsoidField field(Vec3(5, 5, 5), testing::rotation(Vec3(1, 0, 2)), Vec3(1, 0.7, 0.5),
+                             Vec3(1, 2, 3), spin);
+  const TriangleMesh mesh = initial_mesh(field, 0.2, {});
+  const VertexRings rings = vertex_rings(mesh.vertex_count(), mesh.triangles);
+  const Vec3 axis = spin.normalized();
+  const SurfaceState material = surface_state(field, mesh, rings, velocity_method("material"), {});
+  EXPECT_LT(slip(material).value(), 1e-12);
+  EXPECT_NEAR(rotation_captured(mesh, rings, material, axis).value(), 1, 1e-12);
+  EXPECT_LT((fitted_angular_velocity(mesh.position, material.area, material.motion.velocity) - spin).norm(),
+            1e-12);
+
+  const SurfaceState normal = surface_state(field, mesh, rings, velocity_method("normal"), {});
+  EXPECT_NEAR(slip(normal).value(), 1, 1e-12);
+  EXPECT_LT(rotation_captured(mesh, rings, normal, axis).value(), 0.9);
+}
+
+TEST(State, RotationCapturedLooksAtTheLargestPieceOnly) {
+  // A large blob that turns one way, a small one elsewhere that turns the other way.
+  FieldParticles particles = testing::rotating_particles(
+      {Vec3(0.5, 0, 0), Vec3(-0.5, 0, 0), Vec3(0, 0.6, 0), Vec3(9, 0, 0)}, 1, 2.0);
+  particles.velocity[3] = Vec3(0, -30, 0);
+  const ParticleField field(particles, 0.3, 0);
+  const TriangleMesh mesh = initial_mesh(field, 0.15, {});
+  const VertexRings rings = vertex_rings(mesh.vertex_count(), mesh.triangles);
+  SurfaceState state = surface_state(field, mesh, rings, velocity_method("material"), {});
+  const double all = rotation_captured(mesh, rings, state, Vec3::UnitZ()).value();
+  EXPECT_NEAR(all, 1, 1e-12);
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+    if (mesh.position[v][0] > 5) state.motion.velocity[v] = Vec3(100, 100, 100);
+  EXPECT_EQ(rotation_captured(mesh, rings, state, Vec3::UnitZ()).value(), all);
+}
+
+TEST(State, NoRotationGivesNoValue) {
+  const EllipsoidField moving(Vec3::Zero(), Mat3::Identity(), Vec3(1, 0.7, 0.5), Vec3(1, 0, 0));
+  const TriangleMesh mesh = initial_mesh(moving, 0.2, {});
+  const VertexRings rings = vertex_rings(mesh.vertex_count(), mesh.triangles);
+  const SurfaceState state = surface_state(moving, mesh, rings, velocity_method("total"), {});
+  EXPECT_FALSE(rotation_captured(mesh, rings, state, Vec3::UnitZ()).has_value());
+  EXPECT_TRUE(slip(state).has_value());
+  const EllipsoidField still = sphere(1);
+  const SurfaceState at_rest = surface_state(still, mesh, rings, velocity_method("normal"), {});
+  EXPECT_FALSE(slip(at_rest).has_value());
+}
+
+TEST(State, AngularVelocityOfPointsOnALineHasNoPartAlongIt) {
+  const std::vector<Vec3> position{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(2, 0, 0)};
+  const std::vector<Vec3> velocity{Vec3(0, 0, 0), Vec3(0, 3, 0), Vec3(0, 6, 0)};
+  const std::vector<double> area{1, 1, 1};
+  EXPECT_LT((fitted_angular_velocity(position, area, velocity) - Vec3(0, 0, 3)).norm(), 1e-12);
+}
+
+TEST(Tracers, FollowARigidBodyWithFourthOrder) {
+  std::vector<double> error;
+  for (const int steps : {10, 20}) {
+    const TriangleMesh start = initial_mesh(*moving_ellipsoid(0, 1).at(0), 0.4, {});
+    MaterialTracers tracers(start.position);
+    for (int n = 0; n < steps; ++n) {
+      auto motion = moving_ellipsoid(2.0 * n / steps, 2.0 * (n + 1) / steps);
+      tracers.step(motion);
+    }
+    std::vector<Vec3> exact;
+    for (const Vec3& x : start.position) exact.push_back(moved_with_ellipsoid(x, 2));
+    error.push_back(tracer_distance(exact, tracers, 0.5).value());
+    EXPECT_EQ(tracers.lost_count(), 0u);
+  }
+  EXPECT_NEAR(std::log2(error[0] / error[1]), 4, 0.3);
+}
+
+TEST(Tracers, LostOneStaysAndDoesNotCount) {
+  auto motion = testing::turning_particles(0, 0.01, {Vec3(0.5, 0, 0)}, 1, 0.3);
+  const std::vector<Vec3> start{Vec3(0.6, 0, 0), Vec3(7, 0, 0)};
+  MaterialTracers tracers(start);
+  tracers.step(motion);
+  EXPECT_EQ(tracers.lost_count(), 1u);
+  EXPECT_EQ(tracers.position()[1], start[1]);
+  EXPECT_GT((tracers.position()[0] - start[0]).norm(), 0.01);
+  const std::vector<Vec3> vertices{tracers.position()[0] + Vec3(0.3, 0, 0), Vec3(99, 0, 0)};
+  EXPECT_NEAR(tracer_distance(vertices, tracers, 2).value(), 0.15, 1e-12);
+
+  MaterialTracers all_lost(std::span<const Vec3>(start).subspan(1));
+  all_lost.step(motion);
+  EXPECT_FALSE(tracer_distance(std::span<const Vec3>(start).subspan(1), all_lost, 1).has_value());
+}
+
+}  // namespace
+}  // namespace kappaflow
