@@ -101,7 +101,7 @@ SceneEstimate estimate(const Scene& scene, int threads) {
       steps * particles * kSolverSecondsPerParticleStep + tracker_seconds(scene, vertices, steps);
   SceneEstimate result;
   result.particles = start.position.size();
-  result.boundary_particles = static_cast<std::size_t>(boundary);
+  result.boundary_particles = static_cast<std::size_t>(std::llround(boundary));
   result.memory_bytes = static_cast<std::size_t>(
       particles * (kNeighbours * kBytesPerNeighbour + kBytesPerFluidParticle + kBytesPerFieldParticle) +
       boundary * kBytesPerBoundaryParticle + methods * vertices * kBytesPerVertex);

@@ -1,22 +1,20 @@
 #include "scenes/mesh_file.h"
 
 #include <fmt/format.h>
-#include <vtkCellArray.h>
-#include <vtkCleanPolyData.h>
+#include <vtkIdList.h>
 #include <vtkNew.h>
-#include <vtkOBJReader.h>
-#include <vtkObjectFactory.h>
-#include <vtkOutputWindow.h>
-#include <vtkPLYReader.h>
-#include <vtkPolyData.h>
-#include <vtkSTLReader.h>
-#include <vtkSmartPointer.h>
-#include <vtkTriangleFilter.h>
+#include <vtkPoints.h>
+#include <vtkPolygon.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <fstream>
+#include <iterator>
+#include <numeric>
 
+#include "scenes/mesh_parsers.h"
 #include "surface/mesh/mesh_measures.h"
 
 namespace kappaflow {
@@ -25,117 +23,124 @@ namespace {
 /// Twice the area of a triangle over the square of its longest edge below which it has no usable normal.
 constexpr double kDegenerate = 1e-9;
 
-/// Keeps what VTK would print, so that a mistake in a file is reported as one line and by us.
-class SilentWindow : public vtkOutputWindow {
- public:
-  static SilentWindow* New();
-  vtkTypeMacro(SilentWindow, vtkOutputWindow) void DisplayText(const char*) override { reported_ = true; }
-  bool reported() const { return reported_; }
-
- private:
-  bool reported_ = false;
-};
-vtkStandardNewMacro(SilentWindow)
-
-    /// Puts a SilentWindow in place while it lives.
-    class CaughtReports {
- public:
-  CaughtReports() : before_(vtkOutputWindow::GetInstance()) { vtkOutputWindow::SetInstance(window_); }
-  ~CaughtReports() { vtkOutputWindow::SetInstance(before_); }
-  CaughtReports(const CaughtReports&) = delete;
-  CaughtReports& operator=(const CaughtReports&) = delete;
-  bool any() const { return window_->reported(); }
-
- private:
-  vtkNew<SilentWindow> window_;
-  vtkSmartPointer<vtkOutputWindow> before_;
-};
-
-template <class Reader>
-vtkSmartPointer<vtkPolyData> read_with(const std::string& file) {
-  vtkNew<Reader> reader;
-  reader->SetFileName(file.c_str());
-  vtkNew<vtkTriangleFilter> triangles;  // cuts polygons and strips
-  triangles->SetInputConnection(reader->GetOutputPort());
-  triangles->PassLinesOff();
-  triangles->PassVertsOff();
-  vtkNew<vtkCleanPolyData> clean;  // merges points with equal coordinates, drops unused ones
-  clean->SetInputConnection(triangles->GetOutputPort());
-  clean->SetTolerance(0);
-  clean->ConvertPolysToLinesOff();
-  clean->Update();
-  return clean->GetOutput();
-}
-
-/// The file's polygons, or null where its name has no known ending.
-vtkSmartPointer<vtkPolyData> read_polygons(const std::filesystem::path& file) {
+PolygonMesh parse(const std::filesystem::path& file) {
   std::string ending = file.extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (ending == ".stl") return read_with<vtkSTLReader>(file.string());
-  if (ending == ".obj") return read_with<vtkOBJReader>(file.string());
-  if (ending == ".ply") return read_with<vtkPLYReader>(file.string());
-  return nullptr;
+  const auto parser = ending == ".stl"   ? parse_stl
+                      : ending == ".obj" ? parse_obj
+                      : ending == ".ply" ? parse_ply
+                                         : nullptr;
+  if (!parser) throw InvalidInput("has none of the known endings");
+  std::error_code ignored;  // a file that cannot be examined is not a regular one
+  if (!std::filesystem::is_regular_file(file, ignored))
+    throw InvalidInput("is not there, or no regular file");
+  std::ifstream stream(file, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+  if (!stream) throw InvalidInput("cannot be read");
+  return parser(bytes);
 }
 
-TriangleSurface triangle_surface(vtkPolyData& polygons) {
-  TriangleSurface surface;
-  surface.vertices.resize(static_cast<std::size_t>(polygons.GetNumberOfPoints()));
-  for (std::size_t v = 0; v < surface.vertices.size(); ++v)
-    polygons.GetPoint(static_cast<vtkIdType>(v), surface.vertices[v].data());
-  vtkIdType size = 0;
-  const vtkIdType* corners = nullptr;
-  polygons.GetPolys()->InitTraversal();
-  while (polygons.GetPolys()->GetNextCell(size, corners)) {
-    if (size != 3) continue;  // a polygon whose points are equal collapses to less
-    surface.triangles.push_back(
-        {static_cast<int>(corners[0]), static_cast<int>(corners[1]), static_cast<int>(corners[2])});
+/// For every point the first one with the same coordinates, which must be finite.
+std::vector<int> first_equal_points(const std::vector<Vec3>& points) {
+  std::vector<int> order(points.size()), first(points.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto key = [&](int p) { return std::tuple(points[p].x(), points[p].y(), points[p].z(), p); };
+  std::sort(order.begin(), order.end(), [&](int p, int q) { return key(p) < key(q); });
+  for (std::size_t k = 0; k < order.size(); ++k)
+    first[order[k]] = k > 0 && points[order[k]] == points[order[k - 1]] ? first[order[k - 1]] : order[k];
+  return first;
+}
+
+/// Cuts a polygon, which need not be convex, into triangles.
+void add_triangles(const std::vector<Vec3>& points, const std::vector<int>& polygon,
+                   std::vector<Triangle>& triangles) {
+  if (polygon.size() == 3) {
+    triangles.push_back({polygon[0], polygon[1], polygon[2]});
+    return;
   }
+  vtkNew<vtkPolygon> shape;
+  for (const int p : polygon) shape->GetPoints()->InsertNextPoint(points[p].data());
+  shape->GetPointIds()->SetNumberOfIds(static_cast<vtkIdType>(polygon.size()));
+  std::iota(shape->GetPointIds()->begin(), shape->GetPointIds()->end(), vtkIdType{0});
+  vtkNew<vtkIdList> corners;
+  if (!shape->Triangulate(corners))
+    throw InvalidInput(
+        fmt::format("has a polygon of {} corners that cannot be cut into triangles", polygon.size()));
+  for (vtkIdType k = 0; k + 2 < corners->GetNumberOfIds(); k += 3)
+    triangles.push_back(
+        {polygon[corners->GetId(k)], polygon[corners->GetId(k + 1)], polygon[corners->GetId(k + 2)]});
+}
+
+/// Drops the points that no triangle uses.
+void keep_used_points(TriangleSurface& surface) {
+  std::vector<int> kept(surface.vertices.size(), -1);
+  std::vector<Vec3> vertices;
+  for (Triangle& triangle : surface.triangles)
+    for (int& corner : triangle) {
+      if (kept[corner] < 0) {
+        kept[corner] = static_cast<int>(vertices.size());
+        vertices.push_back(surface.vertices[corner]);
+      }
+      corner = kept[corner];
+    }
+  surface.vertices = std::move(vertices);
+}
+
+/// Triangles over merged points, without those that the merging collapsed.
+TriangleSurface triangle_surface(PolygonMesh mesh) {
+  for (const Vec3& x : mesh.points)
+    if (!x.allFinite()) throw InvalidInput("has a point that is not finite");
+  TriangleSurface surface;
+  for (const std::vector<int>& polygon : mesh.polygons)
+    add_triangles(mesh.points, polygon, surface.triangles);
+  const std::vector<int> first = first_equal_points(mesh.points);
+  for (Triangle& triangle : surface.triangles)
+    for (int& corner : triangle) corner = first[corner];
+  std::erase_if(surface.triangles,
+                [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
+  surface.vertices = std::move(mesh.points);
+  keep_used_points(surface);
   return surface;
 }
 
-bool is_degenerate(const Vec3& a, const Vec3& b, const Vec3& c) {
-  const double longest = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
-  return !((b - a).cross(c - a).norm() > kDegenerate * longest);
+void check_areas(const TriangleSurface& surface) {
+  for (const auto& [i, j, k] : surface.triangles) {
+    const Vec3 &a = surface.vertices[i], &b = surface.vertices[j], &c = surface.vertices[k];
+    const double longest = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
+    if (!((b - a).cross(c - a).norm() > kDegenerate * longest))
+      throw InvalidInput(
+          fmt::format("has a triangle without area at ({:.6g}, {:.6g}, {:.6g})", a.x(), a.y(), a.z()));
+  }
 }
 
-/// Why the surface cannot be a wall; empty: it can. Turns it outward.
-std::string make_outward(TriangleSurface& surface) {
-  if (surface.triangles.empty()) return "has no triangles";
-  for (const Vec3& x : surface.vertices)
-    if (!x.allFinite()) return "has a point that is not finite";
-  for (const auto& [a, b, c] : surface.triangles)
-    if (const Vec3& x = surface.vertices[a]; is_degenerate(x, surface.vertices[b], surface.vertices[c]))
-      return fmt::format("has a triangle without area at ({:.6g}, {:.6g}, {:.6g})", x.x(), x.y(), x.z());
-  try {
-    mesh_topology(surface.vertices, surface.triangles);
-  } catch (const TopologyError& error) {
-    return fmt::format("is not closed, manifold and consistently oriented: {}", error.what());
-  }
+TriangleSurface closed_surface(const std::filesystem::path& file) {
+  TriangleSurface surface = triangle_surface(parse(file));
+  if (surface.triangles.empty()) throw InvalidInput("has no triangles");
+  check_areas(surface);
+  mesh_topology(surface.vertices, surface.triangles);  // throws where it is not closed
   const double volume = area_and_volume(surface.vertices, surface.triangles).volume;
-  if (volume == 0) return "encloses no volume";
+  if (volume == 0) throw InvalidInput("encloses no volume");
   if (volume < 0)
     for (Triangle& t : surface.triangles) std::swap(t[1], t[2]);
-  return {};
+  return surface;
 }
 
 }  // namespace
 
 TriangleSurface read_closed_mesh(const std::filesystem::path& file, const SourcePosition& where) {
-  const auto fail = [&](const std::string& found) {
-    throw InvalidInput(
+  const auto located = [&](const std::string& found) {
+    return InvalidInput(
         where, fmt::format("mesh \"{}\" {}; allowed: the closed surface of a solid as .stl, .obj or .ply",
                            file.string(), found));
   };
-  std::error_code ignored;  // a file that cannot be examined is not a regular one
-  if (!std::filesystem::is_regular_file(file, ignored)) fail("is not there or no regular file");
-  const CaughtReports reports;
-  const vtkSmartPointer<vtkPolyData> polygons = read_polygons(file);
-  if (!polygons) fail("has none of the known endings");
-  if (reports.any()) fail("is damaged or not what its ending says");
-  TriangleSurface surface = triangle_surface(*polygons);
-  if (const std::string reason = make_outward(surface); !reason.empty()) fail(reason);
-  return surface;
+  try {
+    return closed_surface(file);
+  } catch (const TopologyError& error) {
+    throw located(fmt::format("cannot be a wall: {}", error.what()));
+  } catch (const InvalidInput& error) {
+    throw located(error.what());
+  }
 }
 
 }  // namespace kappaflow

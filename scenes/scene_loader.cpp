@@ -155,17 +155,13 @@ void read_tracker(TomlTable& t, TrackerOptions& tracker) {
 void read_surface(TomlTable t, SurfaceDescription& surface) {
   static constexpr Named<WeightRule> kWeights[] = {{"uniform", WeightRule::uniform},
                                                    {"normalised", WeightRule::normalised}};
-  static constexpr Named<std::optional<double>> kAutomatic[] = {{"auto", std::nullopt}};
   std::vector<std::string_view> methods;
   for (const VelocityMethod& method : velocity_methods()) methods.push_back(method.name);
 
   // Below 1.5 spacings neighbouring particles hardly overlap; above 4 a particle has hundreds of neighbours.
   surface.sigma = t.number("sigma", {1.2, 6, false, "spacings"}, surface.sigma);
   surface.weights = t.choice("weights", kWeights, std::optional(surface.weights));
-  if (t.is_text("threshold"))
-    surface.threshold = t.choice("threshold", kAutomatic);
-  else if (t.has("threshold"))
-    surface.threshold = t.number("threshold", positive("", 100));
+  surface.threshold = t.number_or("auto", "threshold", positive("", 100), surface.threshold);
   surface.edge_length = t.number("edge_length", {0.05, 2, false, "sigma"}, surface.edge_length);
   surface.methods = t.names("methods", methods, surface.methods);
   surface.stride = t.integer("stride", 1, kMaxIterations, surface.stride);

@@ -7,30 +7,21 @@
 #include <fstream>
 #include <numeric>
 
+#include "scenes/text_scanner.h"
+
 namespace kappaflow {
 namespace {
 
 constexpr std::size_t kMaxFileBytes = 1 << 20;
 constexpr std::size_t kMaxShownBytes = 60;
+constexpr std::size_t kMaxShownElements = 4;
 
-/// Text from a file, shortened and without control characters, so that a message stays one readable line.
-std::string shown(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    const bool starts_character = (static_cast<unsigned char>(c) & 0xC0) != 0x80;
-    if (out.size() >= kMaxShownBytes && starts_character) return out + "...";
-    if (c == '\n')
-      out += "\\n";
-    else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F)
-      out += fmt::format("\\x{:02x}", c);
-    else
-      out += c;
-  }
-  return out;
+bool is_control(char c) {
+  return static_cast<unsigned char>(c) < 0x20 || c == 0x7F;
 }
 
 std::string in_quotes(std::string_view text) {
-  return fmt::format("\"{}\"", shown(text));
+  return fmt::format("\"{}\"", one_line(text, kMaxShownBytes));
 }
 
 std::string list_in_quotes(std::span<const std::string_view> names) {
@@ -44,7 +35,12 @@ std::string describe(const toml::node& node) {
   if (const auto* i = node.as_integer()) return fmt::format("{}", i->get());
   if (const auto* x = node.as_floating_point()) return fmt::format("{}", x->get());
   if (const auto* b = node.as_boolean()) return b->get() ? "true" : "false";
-  if (const auto* a = node.as_array()) return fmt::format("an array of {} values", a->size());
+  if (const auto* a = node.as_array()) {
+    if (a->size() > kMaxShownElements) return fmt::format("an array of {} values", a->size());
+    std::vector<std::string> elements;
+    for (const toml::node& element : *a) elements.push_back(describe(element));
+    return fmt::format("[{}]", fmt::join(elements, ", "));
+  }
   if (node.is_table()) return "a table";
   return "a date or time";
 }
@@ -121,7 +117,7 @@ toml::table parse_toml(std::string_view text, const std::filesystem::path& file)
     return toml::parse(text);
   } catch (const toml::parse_error& error) {
     throw InvalidInput(position(file.string(), error.source()),
-                       fmt::format("{}; allowed: TOML 1.0", shown(error.description())));
+                       fmt::format("{}; allowed: TOML 1.0", one_line(error.description(), 200)));
   }
 }
 
@@ -172,11 +168,24 @@ Vec3 TomlTable::vector(std::string_view key, std::string_view unit, const std::o
   return v;
 }
 
+std::optional<double> TomlTable::number_or(std::string_view word, std::string_view key,
+                                           const NumberRange& range, std::optional<double> fallback) {
+  const toml::node* node = find(key);
+  if (!node) return fallback;
+  if (node->value<std::string_view>() == word) return std::nullopt;
+  const auto value = node->is_number() ? node->value<double>() : std::nullopt;
+  if (!value || !range.contains(*value))
+    refuse(key, *node, fmt::format("\"{}\" or {}", word, describe(range)));
+  return value;
+}
+
 std::string TomlTable::text(std::string_view key, const std::optional<std::string>& fallback) {
-  const toml::node* node = find(key, !fallback, "a string");
+  const std::string_view allowed = "a string without control characters";
+  const toml::node* node = find(key, !fallback, allowed);
   if (!node) return fallback.value_or("");
   const auto* value = node->as_string();
-  if (!value) refuse(key, *node, "a string");
+  if (!value || std::any_of(value->get().begin(), value->get().end(), is_control))
+    refuse(key, *node, allowed);
   return value->get();
 }
 
@@ -204,7 +213,9 @@ std::vector<std::string> TomlTable::names(std::string_view key, std::span<const 
 std::optional<std::size_t> TomlTable::name_index(std::string_view key,
                                                  std::span<const std::string_view> allowed, bool required) {
   const std::string described = list_in_quotes(allowed);
-  const toml::node* node = find(key, required, described);
+  const toml::node* node = find(key);
+  if (!node && required)
+    throw InvalidInput(where(), fmt::format("missing \"{}\" in {}; required: {}", key, name_, described));
   if (!node) return std::nullopt;
   const std::string name = node->value<std::string>().value_or("");
   const auto match = std::find(allowed.begin(), allowed.end(), name);
@@ -238,11 +249,6 @@ std::vector<TomlTable> TomlTable::tables(std::string_view key, bool required) {
     found.emplace_back(*element.as_table(), name, file_);
   }
   return found;
-}
-
-bool TomlTable::is_text(std::string_view key) {
-  const toml::node* node = find(key);
-  return node && node->is_string();
 }
 
 SourcePosition TomlTable::where() const {

@@ -60,13 +60,20 @@ class TomlTable {
   TomlTable(const toml::table& table, std::string name, std::string file);
 
   // Without a fallback a key is required; where it is missing a placeholder is returned and finish() throws.
+  // So misspelt keys, which finish() reports first, are not taken for missing ones.
   double number(std::string_view key, const NumberRange& range, std::optional<double> fallback = {});
   int integer(std::string_view key, int lower, int upper, std::optional<int> fallback = {});
   Vec3 vector(std::string_view key, std::string_view unit, const std::optional<Vec3>& fallback = {});
+  /// A number, or nothing where the string `word` stands in its place.
+  std::optional<double> number_or(std::string_view word, std::string_view key, const NumberRange& range,
+                                  std::optional<double> fallback);
+  /// A string without control characters.
   std::string text(std::string_view key, const std::optional<std::string>& fallback = {});
   /// Distinct strings, each one of `allowed`.
   std::vector<std::string> names(std::string_view key, std::span<const std::string_view> allowed,
                                  const std::vector<std::string>& fallback);
+  /// The value of one of the names. Without a fallback a missing key throws at once, since more keys depend
+  /// on it.
   template <class T, std::size_t N>
   T choice(std::string_view key, const Named<T> (&values)[N], const std::optional<T>& fallback = {});
 
@@ -76,7 +83,6 @@ class TomlTable {
   std::vector<TomlTable> tables(std::string_view key, bool required = false);
 
   bool has(std::string_view key) { return find(key) != nullptr; }
-  bool is_text(std::string_view key);
   SourcePosition where() const;
   SourcePosition where(std::string_view key) const;
 

@@ -1,0 +1,197 @@
+// Every mistake yields one line that says where it is, what was found and what is allowed. The scenes of
+// tests/data/scenes have one mistake each; the message stands beside each in a file that ends with .expected.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "tests/scenes/scene_files.h"
+
+namespace kappaflow {
+namespace {
+
+constexpr std::string_view kSmallest =
+    "duration = 1.0\n[fluid]\nspacing = 0.5\nkinematic_viscosity = 1.0\n"
+    "[[fluid.block]]\nshape = \"box\"\nlower = [0, 0, 0]\nupper = [1, 1, 1]\n";
+
+class BrokenScene : public testing::TestWithParam<std::filesystem::path> {};
+
+TEST_P(BrokenScene, ReportsTheExpectedLine) {
+  const std::filesystem::path scene = GetParam();
+  EXPECT_EQ(load_error(scene) + "\n", read_file(std::filesystem::path(scene).replace_extension(".expected")));
+}
+
+INSTANTIATE_TEST_SUITE_P(Data, BrokenScene,
+                         testing::ValuesIn(files_in(source_file("tests/data/scenes"), ".toml")),
+                         [](const auto& scene) { return scene.param.stem().string(); });
+
+TEST(BrokenScenes, AreMany) {
+  EXPECT_GE(files_in(source_file("tests/data/scenes"), ".toml").size(), 80u);
+}
+
+TEST(BrokenScenes, ExitCodeIsThatOfInvalidInput) {
+  try {
+    load_scene("no/such/scene.toml");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.exit_code(), 2);
+    EXPECT_STREQ(error.what(), "no/such/scene.toml: no such file; allowed: a scene file (.toml)");
+  }
+}
+
+TEST(BrokenScenes, DirectoryInsteadOfFile) {
+  EXPECT_EQ(load_error(source_file("tests/data")), "data: found a directory; allowed: a scene file (.toml)");
+}
+
+TEST(BrokenScenes, EndlessFile) {
+  EXPECT_THROW(load_scene("/dev/zero"), InvalidInput);
+  EXPECT_EQ(load_error(temporary_file("long.toml", std::string(2 << 20, '#'))),
+            "long.toml: the file is larger than 1048576 bytes; allowed: a scene file (.toml)");
+}
+
+TEST(BrokenScenes, ControlCharactersInAMeshName) {
+  const std::string text = std::string(kSmallest) + "[[wall]]\nshape = \"mesh\"\nfile = \"a\\nb.stl\"\n";
+  EXPECT_EQ(
+      load_error(temporary_file("mesh.toml", text)),
+      "mesh.toml:11:8: file in [[wall]] is \"a\\nb.stl\"; allowed: a string without control characters");
+}
+
+TEST(BrokenScenes, LongValuesAreCutBetweenCharacters) {
+  std::string umlauts;
+  for (int i = 0; i < 200; ++i) umlauts += "\u00fc";
+  const std::string message = load_error(temporary_file("long.toml", "duration = \"" + umlauts + "\"\n"));
+  EXPECT_EQ(message, "long.toml:1:12: duration in the scene is \"" + umlauts.substr(0, 60) +
+                         "...\"; allowed: a number > 0 and <= 1000000 [s]");
+}
+
+TEST(GoodScenes, SmallestOneLoadsWithDefaults) {
+  const Scene scene = load_scene(temporary_file("smallest.toml", kSmallest));
+  EXPECT_EQ(scene.title, "smallest");
+  EXPECT_EQ(scene.text, kSmallest);
+  EXPECT_EQ(fill_blocks(scene).position.size(), 8u);
+  EXPECT_EQ(scene.fluid.density, FluidOptions().density);
+  EXPECT_EQ(scene.fluid.gravity, FluidOptions().gravity);
+  EXPECT_EQ(scene.surface.tracker.fairing.iterations, FairingOptions().iterations);
+  EXPECT_FALSE(scene.surface.threshold);
+}
+
+TEST(GoodScenes, EveryKeyArrives) {
+  const Scene scene = load_scene(source_file("tests/data/every_key.toml"));
+  EXPECT_EQ(scene.title, "Every key \u2014 \u03ba");
+  EXPECT_EQ(scene.duration, 2);
+  const FluidOptions& fluid = scene.fluid;
+  EXPECT_EQ(fluid.spacing, 0.25);
+  EXPECT_EQ(fluid.density, 1200);
+  EXPECT_DOUBLE_EQ(fluid.kinematic_viscosity, 2.0);  // 2400 Pa s / 1200 kg/m3
+  EXPECT_EQ(fluid.boundary_viscosity, 0.5);
+  EXPECT_EQ(fluid.gravity, Vec3(0, 0, -9));
+  EXPECT_EQ(fluid.cfl, 0.3);
+  EXPECT_EQ(fluid.min_time_step, 1e-5);
+  EXPECT_EQ(fluid.max_time_step, 0.004);
+  EXPECT_EQ(fluid.density_tolerance, 0.001);
+  EXPECT_EQ(fluid.divergence_tolerance, 0.002);
+  EXPECT_EQ(fluid.max_pressure_iterations, 51);
+  EXPECT_EQ(fluid.viscosity_tolerance, 0.003);
+  EXPECT_EQ(fluid.max_viscosity_iterations, 52);
+
+  ASSERT_EQ(scene.blocks.size(), 2u);
+  EXPECT_EQ(std::get<BoxShape>(scene.blocks[0].shape).upper, Vec3(1, 1, 1));
+  EXPECT_EQ(std::get<SphereShape>(scene.blocks[1].shape).radius, 0.5);
+  EXPECT_EQ(std::get<SphereShape>(scene.blocks[1].shape).center, Vec3(3, 0, 0));
+  EXPECT_EQ(scene.blocks[1].velocity, Vec3(-1, 0, 2));
+  ASSERT_EQ(scene.walls.size(), 3u);
+  EXPECT_EQ(std::get<BoxShape>(scene.walls[0].shape).lower, Vec3(-5, -6, -5));
+  const auto& stairs = std::get<StairsShape>(scene.walls[1].shape);
+  EXPECT_EQ(stairs.steps, 3);
+  EXPECT_EQ(Vec3(stairs.rise, stairs.run, stairs.landing), Vec3(0.1, 0.2, 0.3));
+  EXPECT_EQ(Vec3(stairs.floor, stairs.width, stairs.thickness), Vec3(0.4, 0.5, 0.6));
+  EXPECT_EQ(stairs.origin, Vec3(0, -4, 0));
+  const auto& mesh = std::get<MeshShape>(scene.walls[2].shape);
+  EXPECT_EQ(mesh.file, source_file("tests/data/meshes/cube.obj"));
+  EXPECT_EQ(mesh.scale, 0.5);
+  EXPECT_EQ(mesh.translation, Vec3(0, 5, 0));
+  EXPECT_EQ(scene.walls[2].where.line, 39);
+}
+
+TEST(GoodScenes, EverySurfaceAndOutputKeyArrives) {
+  const Scene scene = load_scene(source_file("tests/data/every_key.toml"));
+  const SurfaceDescription& surface = scene.surface;
+  EXPECT_EQ(surface.sigma, 2.5);
+  EXPECT_EQ(surface.weights, WeightRule::normalised);
+  EXPECT_EQ(surface.threshold, 0.5);
+  EXPECT_EQ(surface.edge_length, 0.4);
+  EXPECT_EQ(surface.methods, (std::vector<std::string>{"material", "total"}));
+  EXPECT_EQ(surface.stride, 3);
+  EXPECT_EQ(surface.tracker.integrator, TimeIntegrator::rk4);
+  EXPECT_EQ(surface.tracker.velocity.damping, 0.2);
+  EXPECT_EQ(surface.tracker.velocity.speed_limit, 1.5);
+  EXPECT_EQ(surface.tracker.projection.tolerance, 1e-5);
+  EXPECT_EQ(surface.tracker.projection.step_limit, 0.3);
+  EXPECT_EQ(surface.tracker.projection.reach, 0.9);
+  EXPECT_EQ(surface.tracker.projection.iterations, 19);
+  EXPECT_EQ(surface.tracker.fairing.iterations, 4);
+  EXPECT_EQ(surface.tracker.fairing.relaxation, 0.6);
+  EXPECT_EQ(surface.tracker.fairing.rest_length_time, 0.7);
+  EXPECT_EQ(scene.output.frames_per_second, 12.5);
+  EXPECT_TRUE(scene.output.report_axis.isApprox(Vec3(0, 0.6, 0.8), 1e-15));
+  EXPECT_EQ(scene.output.checker_size, 3);
+  EXPECT_EQ(scene.output.texture, TextureProjection::spherical);
+}
+
+TEST(GoodScenes, WindowsLineEndsAndByteOrderMark) {
+  std::string text = "\xEF\xBB\xBF";
+  for (const char c : kSmallest) text += c == '\n' ? std::string("\r\n") : std::string(1, c);
+  EXPECT_EQ(load_error(temporary_file("crlf.toml", text)), "");
+}
+
+/// One line, with the file's name in front and nothing unprintable in it.
+void expect_clean(const std::string& message, const std::string& file) {
+  EXPECT_EQ(message.rfind(file + ":", 0), 0u) << message;
+  for (const char c : message) EXPECT_FALSE(static_cast<unsigned char>(c) < 0x20 || c == 0x7F) << message;
+}
+
+TEST(BrokenScenes, BinaryAndOtherEncodings) {
+  std::string random_bytes, utf16 = "\xFF\xFE";
+  std::mt19937 random(1);
+  for (int i = 0; i < 5000; ++i) random_bytes += static_cast<char>(random());
+  for (const char c : kSmallest) (utf16 += c) += '\0';
+  const std::string latin1 = "title = \"caf\xE9\"\n" + std::string(kSmallest);
+  const std::string zero = std::string(kSmallest) + std::string("a\0b = 1\n", 8);
+  const std::string nested = "a = " + std::string(100000, '[');
+  for (const std::string& text : {random_bytes, utf16, latin1, zero, nested})
+    expect_clean(load_error(temporary_file("rubbish.toml", text)), "rubbish.toml");
+}
+
+TEST(BrokenScenes, RandomDamageLoadsOrYieldsOneCleanLine) {
+  const std::string good = read_file(source_file("tests/data/every_key.toml"));
+  temporary_file("meshes/cube.obj", read_file(source_file("tests/data/meshes/cube.obj")));
+  ASSERT_EQ(load_error(temporary_file("damaged.toml", good)), "");
+  std::mt19937 random(7);
+  int refused = 0;
+  for (int round = 0; round < 1500; ++round) {
+    std::string text = good;
+    for (int damage = 0; damage < 2; ++damage) {
+      const std::size_t at = random() % text.size();
+      switch (random() % 4) {
+        case 0:
+          text[at] = static_cast<char>(random());
+          break;
+        case 1:
+          text.erase(at, random() % 20);
+          break;
+        case 2:
+          text.insert(at, 1, "\n[]=\"'.,-9e#{}"[random() % 14]);
+          break;
+        default:
+          text.resize(at + 1);
+      }
+    }
+    const std::string message = load_error(temporary_file("damaged.toml", text));
+    if (!message.empty()) expect_clean(message, "damaged.toml");
+    refused += !message.empty();
+  }
+  EXPECT_GT(refused, 500);
+  EXPECT_LT(refused, 1500);
+}
+
+}  // namespace
+}  // namespace kappaflow

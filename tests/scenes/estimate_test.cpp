@@ -1,0 +1,54 @@
+#include <gtest/gtest.h>
+
+#include "tests/scenes/scene_files.h"
+
+namespace kappaflow {
+namespace {
+
+Scene tank(double spacing) {
+  Scene scene;
+  scene.duration = 1;
+  scene.fluid.spacing = spacing;
+  add_block(scene, BoxShape{Vec3(0, 0, 0), Vec3(1, 1, 1)});
+  add_wall(scene, BoxShape{Vec3(-1, -1, -1), Vec3(2, 0, 2)});
+  return scene;
+}
+
+TEST(Estimate, CountsParticles) {
+  const SceneEstimate result = estimate(tank(0.1), 1);
+  EXPECT_EQ(result.particles, 1000u);
+  EXPECT_EQ(result.boundary_particles, 3000u);  // 30 m2 of wall
+}
+
+TEST(Estimate, MemoryGrowsWithTheParticles) {
+  const double coarse = static_cast<double>(estimate(tank(0.1), 1).memory_bytes);
+  const double fine = static_cast<double>(estimate(tank(0.05), 1).memory_bytes);
+  EXPECT_GT(fine, 4 * coarse);  // eight times the liquid, four times its surface and the walls
+  EXPECT_LT(fine, 8 * coarse);
+  EXPECT_GT(coarse, 1000 * 33 * 20);  // the neighbour lists alone
+}
+
+TEST(Estimate, TimeFollowsDurationMethodsStepsAndThreads) {
+  const Scene scene = tank(0.05);
+  const double seconds = estimate(scene, 1).seconds;
+  EXPECT_GT(seconds, 0);
+  Scene longer = scene, unfollowed = scene, slower = scene;
+  longer.duration = 10;
+  EXPECT_GT(estimate(longer, 1).seconds, 9 * seconds);
+  unfollowed.surface.methods.clear();
+  EXPECT_LT(estimate(unfollowed, 1).seconds, seconds);
+  slower.fluid.max_time_step /= 10;
+  EXPECT_GT(estimate(slower, 1).seconds, 2 * seconds);
+  EXPECT_LT(estimate(scene, 2).seconds, seconds);
+  EXPECT_GT(estimate(scene, 2).seconds, seconds / 2);
+}
+
+TEST(Estimate, WithoutWallsOrGravityStaysFinite) {
+  Scene scene = tank(0.1);
+  scene.walls.clear();
+  scene.fluid.gravity = Vec3::Zero();
+  EXPECT_TRUE(std::isfinite(estimate(scene, 1).seconds));
+}
+
+}  // namespace
+}  // namespace kappaflow
