@@ -114,8 +114,9 @@ TEST(LatticePoints, FillASphereSymmetricallyWithItsVolume) {
     EXPECT_LE(static_cast<double>(points.size()), lattice_size(sphere, spacing));
     // The lattice points in a ball are as many as its volume in cells, up to its surface in cells (Gauss).
     const double cells = 4. / 3 * M_PI * std::pow(sphere.radius / spacing, 3);
-    if (spacing <= 0.1)
+    if (spacing <= 0.1) {
       EXPECT_NEAR(static_cast<double>(points.size()), cells, 2 * std::pow(sphere.radius / spacing, 2));
+    }
   }
 }
 
