@@ -55,6 +55,16 @@ Vec3 spring_move(const VertexRings& rings, std::span<const double> rest_length,
   return distance > longest ? Vec3(move * (longest / distance)) : move;
 }
 
+/// Whether a triangle at vertex v looks inward, i.e. along the gradients of its corners.
+bool is_folded(const VertexRings& rings, const FairingState& state, std::span<const Vec3> position, int v) {
+  for (int k = rings.start[v]; k < rings.start[v + 1]; ++k) {
+    const int b = rings.neighbour[k], c = state.third_corner[k];
+    const Vec3 outward = (position[b] - position[v]).cross(position[c] - position[v]);
+    if (outward.dot(state.gradient[v] + state.gradient[b] + state.gradient[c]) > 0) return true;
+  }
+  return false;
+}
+
 /// From vertex v to the centroid of its neighbours.
 Vec3 centroid_move(std::span<const int> ring, std::span<const Vec3> position, int v) {
   if (ring.empty()) return Vec3::Zero();
@@ -66,9 +76,9 @@ Vec3 centroid_move(std::span<const int> ring, std::span<const Vec3> position, in
 void relax_vertices(const VertexRings& rings, double relaxation, TriangleMesh& mesh, FairingState& state) {
   parallel_for(mesh.vertex_count(), [&](std::size_t i) {
     const int v = static_cast<int>(i);
-    const Vec3 move = mesh.unprojected[v]
-                          ? centroid_move(rings.of(v), mesh.position, v)
-                          : spring_move(rings, state.rest_length, mesh.position, state.gradient[v], v);
+    const bool lost = mesh.unprojected[v] || is_folded(rings, state, mesh.position, v);
+    const Vec3 move = lost ? centroid_move(rings.of(v), mesh.position, v)
+                           : spring_move(rings, state.rest_length, mesh.position, state.gradient[v], v);
     state.moved_position[v] = mesh.position[v] + relaxation * move;
   });
   std::swap(mesh.position, state.moved_position);
@@ -83,12 +93,25 @@ void relax_rest_lengths(const VertexRings& rings, std::span<const Vec3> position
   });
 }
 
+/// For every neighbour the third corner of the triangle that runs from the vertex to it.
+std::vector<int> third_corners(const VertexRings& rings, std::span<const Triangle> triangles) {
+  std::vector<int> third(rings.neighbour.size());
+  for (const Triangle& t : triangles)
+    for (int corner = 0; corner < 3; ++corner) {
+      const std::span<const int> ring = rings.of(t[corner]);
+      const auto place = std::ranges::lower_bound(ring, t[(corner + 1) % 3]) - ring.begin();
+      third[rings.start[t[corner]] + place] = t[(corner + 2) % 3];
+    }
+  return third;
+}
+
 }  // namespace
 
 FairingState fairing_state(const TriangleMesh& mesh, const VertexRings& rings) {
   FairingState state;
   state.rest_length.assign(rings.neighbour.size(), 0);
   relax_rest_lengths(rings, mesh.position, 1, state.rest_length);
+  state.third_corner = third_corners(rings, mesh.triangles);
   state.gradient.assign(mesh.vertex_count(), Vec3::Zero());
   state.moved_position.resize(mesh.vertex_count());
   return state;

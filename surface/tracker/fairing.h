@@ -19,11 +19,12 @@ struct FairingOptions {
 /// steps.
 struct FairingState {
   std::vector<double> rest_length;
+  std::vector<int> third_corner;     ///< parallel to them: of the triangle that runs from vertex to neighbour
   std::vector<Vec3> gradient;        ///< grad f at the vertices after the last projection
   std::vector<Vec3> moved_position;  ///< the vertices of an iteration in the making
 };
 
-/// Rest lengths = the current edge lengths.
+/// Rest lengths = the current edge lengths. Precondition: a closed oriented mesh.
 FairingState fairing_state(const TriangleMesh& mesh, const VertexRings& rings);
 
 /// Projects all vertices on f = 0 by Eq. 11, then runs the iterations: every vertex moves from the same old
@@ -33,8 +34,9 @@ FairingState fairing_state(const TriangleMesh& mesh, const VertexRings& rings);
 /// A vertex goes a share `relaxation` of one Newton step towards the equilibrium of its springs, its
 /// neighbours fixed. A spring pulls with its length in space minus its rest length, along the neighbour's
 /// direction in the tangent plane; so a mesh whose edges have their rest lengths stays as it is, however
-/// curved it is. A vertex whose projection failed goes towards the centroid of its neighbours instead, until
-/// it projects again. Returns the largest residual of the last projection (see project_all).
+/// curved it is. Two kinds of vertices go towards the centroid of their neighbours instead: those whose
+/// projection failed, until it succeeds, and those of triangles that have folded over, which springs at their
+/// rest lengths would keep folded. Returns the largest residual of the last projection (see project_all).
 double fair(const Field& field, const VertexRings& rings, const FairingOptions& options,
             const ProjectionOptions& projection, double dt, TriangleMesh& mesh, FairingState& state);
 

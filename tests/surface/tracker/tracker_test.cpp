@@ -205,6 +205,7 @@ TEST(Fairing, OrderOfTheVerticesDoesNotMatter) {
     }
     for (Triangle& t : mesh.triangles)
       for (int& v : t) v = index[v];
+    rest.triangles = mesh.triangles;
     const VertexRings rings = vertex_rings(mesh.vertex_count(), mesh.triangles);
     FairingState state = fairing_state(rest, rings);
     fair(field, rings, {.iterations = 5}, {.tolerance = 1e-10}, 0.1, mesh, state);
@@ -228,6 +229,25 @@ TEST(Fairing, RestLengthsRelaxExponentially) {
   fair(field, rings, {.iterations = 0, .rest_length_time = 0.2}, {}, 0.1, mesh, state);
   for (std::size_t k = 0; k < length.size(); ++k)
     EXPECT_NEAR(state.rest_length[k], length[k] * (1 + 0.5 * std::exp(-0.5)), 1e-12);
+}
+
+int folded_triangles(const TriangleMesh& mesh, const Field& field) {
+  return static_cast<int>(std::ranges::count_if(mesh.triangles, [&](const Triangle& t) {
+    const Vec3 &a = mesh.position[t[0]], &b = mesh.position[t[1]], &c = mesh.position[t[2]];
+    return (b - a).cross(c - a).dot(field.value_and_gradient((a + b + c) / 3).g) > 0;
+  }));
+}
+
+TEST(Fairing, UnfoldsTrianglesWhoseEdgesHaveTheirRestLengths) {
+  const EllipsoidField field = sphere(1);
+  TriangleMesh mesh = initial_mesh(field, 0.2, {});
+  const VertexRings rings = vertex_rings(mesh.vertex_count(), mesh.triangles);
+  const int neighbour = rings.of(0)[0];
+  mesh.position[0] = project(field, 2 * mesh.position[neighbour] - mesh.position[0], {}).position;
+  ASSERT_GT(folded_triangles(mesh, field), 0);
+  FairingState state = fairing_state(mesh, rings);
+  fair(field, rings, {.iterations = 20}, {}, 0, mesh, state);
+  EXPECT_EQ(folded_triangles(mesh, field), 0);
 }
 
 TEST(Fairing, LostVertexIsPulledBackByItsNeighbours) {
