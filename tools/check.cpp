@@ -1,0 +1,71 @@
+#include "tools/check.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+
+namespace kappaflow {
+namespace {
+
+std::string vector_text(const Vec3& v) {
+  return fmt::format("({:.4g}, {:.4g}, {:.4g})", v.x(), v.y(), v.z());
+}
+
+// How a block or wall reads in the summary.
+struct ShapeText {
+  std::string operator()(const BoxShape& box) const {
+    return fmt::format("box from {} to {} m", vector_text(box.lower), vector_text(box.upper));
+  }
+  std::string operator()(const SphereShape& sphere) const {
+    return fmt::format("sphere of radius {:.4g} m at {} m", sphere.radius, vector_text(sphere.center));
+  }
+  std::string operator()(const StairsShape& stairs) const {
+    return fmt::format("stairs, {} steps of rise {:.4g} m and run {:.4g} m, width {:.4g} m", stairs.steps,
+                       stairs.rise, stairs.run, stairs.width);
+  }
+  std::string operator()(const MeshShape& mesh) const { return fmt::format("mesh {}", mesh.file.string()); }
+};
+
+std::string liquid_lines(const Scene& scene) {
+  const FluidOptions& fluid = scene.fluid;
+  std::string text =
+      fmt::format("  liquid    spacing {:.4g} m, density {:.6g} kg/m3, kinematic viscosity {:.4g} m2/s\n",
+                  fluid.spacing, fluid.density, fluid.kinematic_viscosity);
+  for (const FluidBlock& block : scene.blocks)
+    text += fmt::format("    block   {}, moving at {} m/s\n", std::visit(ShapeText(), block.shape),
+                        vector_text(block.velocity));
+  for (const Wall& wall : scene.walls)
+    text += fmt::format("    wall    {}\n", std::visit(ShapeText(), wall.shape));
+  return text;
+}
+
+std::string surface_line(const SurfaceDescription& surface, double spacing) {
+  return fmt::format("  surface   sigma {:.4g} m, threshold {}, edges {:.4g} m, methods {}\n",
+                     surface.sigma * spacing,
+                     surface.threshold ? fmt::format("{:.6g}", *surface.threshold) : "auto",
+                     surface.edge_length * surface.sigma * spacing, fmt::join(surface.methods, ", "));
+}
+
+std::string duration_text(double seconds) {
+  if (seconds < 120) return fmt::format("{:.2g} s", seconds);
+  return seconds < 7200 ? fmt::format("{:.0f} min", seconds / 60) : fmt::format("{:.1f} h", seconds / 3600);
+}
+
+}  // namespace
+
+std::string check_text(const Scene& scene, int threads) {
+  const SceneEstimate cost = estimate(scene, threads);
+  return fmt::format("{}: {}\n", scene.file.string(), scene.title) +
+         fmt::format("  duration  {:.4g} s, {:.4g} frames per second\n", scene.duration,
+                     scene.output.frames_per_second) +
+         liquid_lines(scene) + surface_line(scene.surface, scene.fluid.spacing) +
+         fmt::format(
+             "  particles {}\n  boundary particles {}\n  memory    about {:.0f} MB\n  time      about {} on "
+             "{} "
+             "thread{}\n",
+             cost.particles, cost.boundary_particles, std::ceil(static_cast<double>(cost.memory_bytes) / 1e6),
+             duration_text(cost.seconds), threads, threads == 1 ? "" : "s");
+}
+
+}  // namespace kappaflow

@@ -1,0 +1,54 @@
+// VTK data of particles, surfaces and boundaries, and the .vtp files that ParaView opens.
+#pragma once
+
+#include <vtkPolyData.h>
+#include <vtkSmartPointer.h>
+
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "core/particles.h"
+#include "surface/field/particle_motion.h"
+#include "surface/tracker/surface_state.h"
+#include "tools/texture.h"
+
+namespace kappaflow {
+
+/// What one particle file holds; one entry a particle in every array.
+struct ParticleFrame {
+  const Particles& particles;
+  std::span<const float> density;   ///< [kg/m3]
+  std::span<const float> pressure;  ///< [Pa]
+  std::span<const double> weight;   ///< w_i of Eq. 12
+  double sigma;                     ///< support radius of Eq. 12 [m]
+};
+
+/// Point arrays velocity, density, pressure, id, weight and sigma (the last two let `kappaflow probe` read
+/// the file); every particle is a vertex cell, so that ParaView shows it.
+vtkSmartPointer<vtkPolyData> particle_data(const ParticleFrame& frame);
+
+/// What one surface file holds; one entry a vertex in every array.
+struct SurfaceFrame {
+  double time;  ///< [s]
+  const TriangleMesh& mesh;
+  const SurfaceState& state;
+  std::span<const Rgb> checker;
+  std::span<const Vec2> texture_coordinates;
+};
+
+/// Point arrays Normals and TCoords (both active), velocity, mean_curvature, gaussian_curvature, confidence,
+/// rest_position, checker, material_slip (where the material velocity is known) and unprojected.
+vtkSmartPointer<vtkPolyData> surface_data(const SurfaceFrame& frame);
+
+/// All walls as one surface; cell array wall = index of the wall.
+vtkSmartPointer<vtkPolyData> boundary_data(std::span<const TriangleSurface> walls);
+
+/// Writes VTK XML, inline binary, compressed by zlib: the form that every ParaView from 5.0 on reads. Throws
+/// IoError.
+void write_vtp(const std::filesystem::path& path, vtkPolyData& data);
+
+/// Throws IoError.
+vtkSmartPointer<vtkPolyData> read_vtp(const std::filesystem::path& path);
+
+}  // namespace kappaflow

@@ -1,0 +1,24 @@
+// Files that are either complete under their final name or absent.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace kappaflow {
+
+/// Writes `content` to a temporary file beside `path` and renames it, so that nobody ever sees half of it.
+/// Throws IoError (the disk is full, no permission, ...) and leaves neither file nor temporary behind.
+void write_file(const std::filesystem::path& path, std::string_view content);
+
+/// Appends whole lines and flushes; a failed append leaves the file as it was. Throws IoError.
+void append_lines(const std::filesystem::path& path, std::string_view lines);
+
+/// Throws IoError.
+std::string read_file(const std::filesystem::path& path);
+
+/// Makes the folder and those above it. Throws IoError.
+void make_folder(const std::filesystem::path& path);
+
+}  // namespace kappaflow

@@ -1,0 +1,220 @@
+// The command line: what it accepts, and how errors leave the program.
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <fstream>
+
+#include "core/errors.h"
+#include "core/version.h"
+#include "surface/motion/velocity.h"
+#include "tools/check.h"
+#include "tools/probe.h"
+#include "tools/render.h"
+#include "tools/run.h"
+#include "tools/run_record.h"
+
+namespace {
+
+using namespace kappaflow;
+
+constexpr int kExitUsage = 2;
+constexpr int kExitUnexpected = 1;
+
+constexpr const char* kExitCodes =
+    "Exit codes:\n"
+    "  0 done   2 wrong input or command line   3 the simulation failed   4 broken mesh\n"
+    "  5 a file cannot be read or written   130 interrupted (Ctrl-C)";
+
+std::string footer(const std::string& example) {
+  return "Example:\n  " + example + "\n\n" + kExitCodes;
+}
+
+std::string method_lines() {
+  std::string text = "Velocity methods:\n";
+  for (const VelocityMethod& method : velocity_methods())
+    text += fmt::format("  {:<16} {}\n", method.name, method.summary);
+  return text;
+}
+
+std::string method_names() {
+  std::string names;
+  for (const VelocityMethod& method : velocity_methods())
+    names += (names.empty() ? "" : ", ") + std::string(method.name);
+  return names;
+}
+
+// Validators see the words before CLI11 converts them; an empty result means that the word is fine.
+CLI::Validator number_in(const std::string& what, std::function<bool(double)> allowed) {
+  return CLI::Validator(
+      [=](const std::string& word) {
+        char* end = nullptr;
+        const double value = std::strtod(word.c_str(), &end);
+        const bool is_number = end != word.c_str() && *end == '\0' && std::isfinite(value);
+        return is_number && allowed(value) ? std::string()
+                                           : fmt::format("found \"{}\"; expected {}", word, what);
+      },
+      "");
+}
+
+CLI::Validator whole_number(long lowest, long highest) {
+  return number_in(fmt::format("a whole number from {} to {}", lowest, highest), [=](double value) {
+    return value == std::floor(value) && value >= static_cast<double>(lowest) &&
+           value <= static_cast<double>(highest);
+  });
+}
+
+CLI::Validator known_method() {
+  return CLI::Validator(
+      [](const std::string& word) {
+        for (const VelocityMethod& method : velocity_methods())
+          if (word == method.name) return std::string();
+        return fmt::format("found \"{}\"; expected one of {}", word, method_names());
+      },
+      "");
+}
+
+void reject_repeated(const std::string& option, const std::vector<std::string>& names) {
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (std::find(names.begin(), names.begin() + i, names[i]) != names.begin() + i)
+      throw InvalidInput(fmt::format("{}: \"{}\" is named twice", option, names[i]));
+}
+
+/// Everything that the command line can say.
+struct CommandLine {
+  RunOptions run;
+  double duration = 0;
+  std::filesystem::path check_scene;
+  ProbeOptions probe;
+  RenderOptions render;
+  int threads = 0;  // 0: all cores
+};
+
+void add_threads(CLI::App& command, CommandLine& line) {
+  command.add_option("--threads", line.threads, "Number of threads (default: all cores)")
+      ->check(whole_number(1, 1024));
+}
+
+void add_methods(CLI::App& command, const std::string& name, std::vector<std::string>& methods,
+                 const std::string& text) {
+  command.add_option(name, methods, text)->delimiter(',')->type_name("NAME,...")->check(known_method());
+}
+
+CLI::App* add_run(CLI::App& app, CommandLine& line) {
+  CLI::App* run = app.add_subcommand("run", "Simulate a scene and track its surface");
+  run->add_option("SCENE", line.run.scene, "Scene file (.toml)")->required();
+  run->add_option("--out", line.run.folder, "Folder for the results (default: out/<name of the scene>)");
+  add_methods(*run, "--track", line.run.methods, "Velocity methods to track with (default: the scene's)");
+  run->add_option("--duration", line.duration, "Simulated time in seconds (default: the scene's)")
+      ->check(number_in("a number of seconds above 0", [](double value) { return value > 0; }));
+  add_threads(*run, line);
+  run->add_flag("--force", line.run.force, "Replace the run that the folder already holds");
+  run->add_flag("--quiet", line.run.quiet, "Print errors only");
+  run->footer(method_lines() + "\n" +
+              footer("kappaflow run scenes/staircase.toml --track total,curvature --threads 4"));
+  return run;
+}
+
+CLI::App* add_check(CLI::App& app, CommandLine& line) {
+  CLI::App* check = app.add_subcommand("check", "Check a scene and say what it will cost");
+  check->add_option("SCENE", line.check_scene, "Scene file (.toml)")->required();
+  add_threads(*check, line);
+  check->footer(footer("kappaflow check scenes/staircase.toml"));
+  return check;
+}
+
+CLI::App* add_probe(CLI::App& app, CommandLine& line) {
+  CLI::App* probe =
+      app.add_subcommand("probe", "Print field, derivatives, curvatures and velocities at points, as CSV");
+  probe
+      ->add_option(
+          "PARTICLES", line.probe.particles,
+          "Particles: .vtp with arrays velocity, weight, sigma, or .csv with x,y,z,vx,vy,vz,weight,sigma")
+      ->required();
+  probe->add_option("POINTS", line.probe.points, "Points: .csv with x,y,z")->required();
+  probe->add_option("--threshold", line.probe.threshold, "T of Eq. 12")
+      ->required()
+      ->check(number_in("a number", [](double) { return true; }));
+  add_methods(*probe, "--methods", line.probe.methods, "Velocity methods to evaluate (default: none)");
+  probe->footer(
+      method_lines() + "\n" +
+      footer("kappaflow probe out/staircase/particles/particles_0010.vtp points.csv --threshold 2.6 "
+             "--methods total,curvature"));
+  return probe;
+}
+
+CLI::App* add_render(CLI::App& app, CommandLine& line) {
+  CLI::App* render =
+      app.add_subcommand("render", "Draw the surfaces of a run side by side (needs a display)");
+  render->add_option("DIR", line.render.folder, "Run folder")->required();
+  render->add_option("--out", line.render.picture, "Picture (.png)")->required();
+  render->add_option("--frame", line.render.frame, "Frame (default: the last one)")
+      ->check(whole_number(0, 9999999));
+  add_methods(*render, "--methods", line.render.methods, "Methods to draw (default: those of the run)");
+  render->footer(footer("xvfb-run -a kappaflow render out/staircase --out picture.png --frame 40"));
+  return render;
+}
+
+// CLI11 breaks some of its messages over lines.
+std::string one_line(std::string text) {
+  for (std::size_t end; (end = text.find('\n')) != std::string::npos;)
+    text.replace(end, 1, end + 1 == text.size() ? "" : "; ");
+  return text;
+}
+
+int execute(const CLI::App& app, CommandLine& line) {
+  if (line.threads == 0) line.threads = tbb::this_task_arena::max_concurrency();
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                  static_cast<std::size_t>(line.threads));
+  if (app.got_subcommand("run")) {
+    reject_repeated("--track", line.run.methods);
+    line.run.threads = line.threads;
+    if (line.duration > 0) line.run.duration = line.duration;
+    return run(line.run);
+  }
+  if (app.got_subcommand("check")) fmt::print("{}", check_text(load_scene(line.check_scene), line.threads));
+  if (app.got_subcommand("probe")) fmt::print("{}", probe(line.probe));
+  if (app.got_subcommand("render")) render(line.render);
+  return 0;
+}
+
+int parse_and_execute(int argc, char** argv) {
+  CommandLine line;
+  line.run.command.assign(argv, argv + argc);
+  CLI::App app("kappaflow: viscous SPH liquids with a tracked, textured surface", "kappaflow");
+  app.set_version_flag("--version", fmt::format("kappaflow {}\n{}", kVersion, build_description()));
+  app.footer(kExitCodes);
+  app.require_subcommand(1);
+  const std::vector<CLI::App*> commands{add_run(app, line), add_check(app, line), add_probe(app, line),
+                                        add_render(app, line)};
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help_or_version) {
+    return app.exit(help_or_version);
+  } catch (const CLI::ParseError& error) {
+    std::string help = "kappaflow --help";
+    for (const CLI::App* command : commands)
+      if (command->parsed()) help = fmt::format("kappaflow {} --help", command->get_name());
+    fmt::print(stderr, "kappaflow: error: {}; see {}\n", one_line(error.what()), help);
+    return kExitUsage;
+  }
+  return execute(app, line);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return parse_and_execute(argc, argv);
+  } catch (const kappaflow::Error& error) {
+    fmt::print(stderr, "kappaflow: error: {}\n", error.what());
+    return error.exit_code();
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "kappaflow: error: {}\n", one_line(error.what()));
+    return kExitUnexpected;
+  }
+}

@@ -1,0 +1,77 @@
+#include "tools/metrics.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/parallel.h"
+#include "surface/mesh/isosurface.h"
+
+namespace kappaflow {
+namespace {
+
+constexpr double kIsosurfaceSpacing = 0.25;  // of the fresh extraction, in sigma
+
+std::string optional_number(const std::optional<double>& value) {
+  return value ? fmt::format("{:.12g}", *value) : std::string();
+}
+
+}  // namespace
+
+double penetration_max(std::span<const Vec3> position, const WallDistance& walls, double spacing) {
+  return parallel_max(position.size(), 0.0, [&](std::size_t i) { return walls.depth(position[i]); }) /
+         spacing;
+}
+
+void measure_isosurface(const Field& field, double sigma, FrameMetrics& metrics) {
+  const TriangleMesh mesh = extract_isosurface(field, kIsosurfaceSpacing * sigma);
+  metrics.isosurface_volume = area_and_volume(mesh.position, mesh.triangles).volume;
+  metrics.isosurface = mesh_topology(mesh.position, mesh.triangles);
+}
+
+double surface_residual(const Field& field, const TriangleMesh& mesh) {
+  const auto residual = [&](std::size_t v) {
+    if (mesh.unprojected[v]) return 0.0;
+    const ValueAndGradient at = field.value_and_gradient(mesh.position[v]);
+    return std::abs(at.f) / (at.g.norm() * field.length_scale());
+  };
+  return parallel_max(mesh.vertex_count(), 0.0, residual);
+}
+
+SurfaceMetrics surface_metrics(const Field& field, const TriangleMesh& mesh, const VertexRings& rings,
+                               const SurfaceState& state, const Vec3& report_axis) {
+  SurfaceMetrics metrics;
+  metrics.vertices = mesh.vertex_count();
+  metrics.triangles = mesh.triangles.size();
+  metrics.residual_max = surface_residual(field, mesh);
+  metrics.quality = triangle_qualities(mesh.position, mesh.triangles);
+  metrics.size = area_and_volume(mesh.position, mesh.triangles);
+  metrics.slip = slip(state);
+  metrics.rotation_captured = rotation_captured(mesh, rings, state, report_axis);
+  metrics.topology = mesh_topology(mesh.position, mesh.triangles);
+  metrics.unprojected = static_cast<std::size_t>(std::ranges::count(mesh.unprojected, char{1}));
+  return metrics;
+}
+
+std::string metrics_header() {
+  return "frame,time,method,particles,penetration_max,density_error_mean,density_error_max,vertices,"
+         "triangles,"
+         "residual_max,quality_min,quality_mean,area,volume,isosurface_volume,slip,rotation_captured,tracer_"
+         "distance,"
+         "components,genus,isosurface_components,isosurface_genus,kept_fraction,unprojected\n";
+}
+
+std::string metrics_row(const FrameMetrics& f, const std::string& method, const SurfaceMetrics& s) {
+  return fmt::format("{},{:.12g},{},{},{:.12g},{:.12g},{:.12g},", f.frame, f.time, method, f.particles,
+                     f.penetration_max, f.density_error_mean, f.density_error_max) +
+         fmt::format("{},{},{:.12g},{:.12g},{:.12g},{:.12g},{:.12g},{:.12g},", s.vertices, s.triangles,
+                     s.residual_max, s.quality.min, s.quality.mean, s.size.area, s.size.volume,
+                     f.isosurface_volume) +
+         fmt::format("{},{},{},{},{},{},{},{:.12g},{}\n", optional_number(s.slip),
+                     optional_number(s.rotation_captured), optional_number(s.tracer_distance),
+                     s.topology.components, s.topology.genus, f.isosurface.components, f.isosurface.genus,
+                     s.kept_fraction, s.unprojected);
+}
+
+}  // namespace kappaflow

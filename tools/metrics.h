@@ -1,0 +1,62 @@
+// The numbers of metrics.csv: how well the simulation and each tracked surface do at one frame.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+
+#include "core/particles.h"
+#include "scenes/wall_distance.h"
+#include "surface/field/field.h"
+#include "surface/mesh/mesh_measures.h"
+#include "surface/tracker/surface_state.h"
+
+namespace kappaflow {
+
+/// Numbers that all methods of a frame share.
+struct FrameMetrics {
+  int frame = 0;
+  double time = 0;  ///< [s]
+  std::size_t particles = 0;
+  double penetration_max = 0;     ///< deepest particle centre inside a solid, in particle spacings; >= 0
+  double density_error_mean = 0;  ///< largest FluidStep::density_error_mean since the last frame [1]
+  double density_error_max = 0;   ///< largest FluidStep::density_error_max since the last frame [1]
+  double isosurface_volume = 0;   ///< of a fresh extraction at 0.25 sigma [m3]
+  MeshTopology isosurface;        ///< of the same
+};
+
+/// Numbers of one tracked surface.
+struct SurfaceMetrics {
+  std::size_t vertices = 0, triangles = 0;
+  double residual_max =
+      0;  ///< see surface_residual(); the tracker's residuals since the last frame count too
+  QualityRange quality;
+  AreaAndVolume size;
+  std::optional<double> slip;               ///< see slip()
+  std::optional<double> rotation_captured;  ///< see rotation_captured()
+  std::optional<double> tracer_distance;    ///< mean distance of a vertex from its material tracer, in sigma
+  MeshTopology topology;
+  /// Share of the initial mesh's vertices that the mesh still has; the rest fell to edits.
+  double kept_fraction = 1;
+  std::size_t unprojected = 0;  ///< vertices that are not on the surface
+};
+
+/// Depth of the deepest particle centre inside a solid over `spacing` [m]; 0 when all are outside.
+double penetration_max(std::span<const Vec3> position, const WallDistance& walls, double spacing);
+
+/// Fills the isosurface_* members from an extraction at 0.25 sigma [m].
+void measure_isosurface(const Field& field, double sigma, FrameMetrics& metrics);
+
+/// max |f| / (|g| L) over the projected vertices: their distance from f = 0 in units of L =
+/// Field::length_scale().
+double surface_residual(const Field& field, const TriangleMesh& mesh);
+
+/// Everything that mesh and state say; tracer_distance and kept_fraction are the caller's.
+SurfaceMetrics surface_metrics(const Field& field, const TriangleMesh& mesh, const VertexRings& rings,
+                               const SurfaceState& state, const Vec3& report_axis);
+
+/// One line each, with the line's end; numbers to 12 digits, empty where there is no value.
+std::string metrics_header();
+std::string metrics_row(const FrameMetrics& frame, const std::string& method, const SurfaceMetrics& surface);
+
+}  // namespace kappaflow

@@ -1,0 +1,55 @@
+#include "tools/progress.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace kappaflow {
+namespace {
+
+constexpr double kRedrawSeconds = 0.2;
+constexpr int kBarWidth = 20;
+constexpr const char* kWipeLine = "\r\033[K";
+
+std::string clock_time(double seconds) {
+  const long whole = std::lround(std::min(seconds, 359999.0));
+  return whole < 3600 ? fmt::format("{}:{:02}", whole / 60, whole % 60)
+                      : fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
+}
+
+}  // namespace
+
+std::string progress_line(const std::string& title, double time, double duration, int frame, int frames,
+                          std::size_t steps, double elapsed, const FluidStep& step) {
+  const double done = std::clamp(time / duration, 0.0, 1.0);
+  const auto filled = static_cast<std::size_t>(std::lround(done * kBarWidth));
+  const std::string bar = std::string(filled, '#') + std::string(kBarWidth - filled, '-');
+  const std::string left = done > 0 ? clock_time(elapsed * (1 - done) / done) : "?";
+  return fmt::format("{} [{}] t = {:.3f} s  frame {}/{}  {:.1f} steps/s  pressure {}  viscosity {}  {} left",
+                     title, bar, time, frame, frames, static_cast<double>(steps) / std::max(elapsed, 1e-9),
+                     step.density_iterations + step.divergence_iterations, step.viscosity_iterations, left);
+}
+
+Progress::Progress(std::string title, double duration, int frames, bool enabled)
+    : title_(std::move(title)),
+      duration_(duration),
+      frames_(frames),
+      enabled_(enabled && isatty(STDERR_FILENO) == 1) {}
+
+Progress::~Progress() {
+  if (enabled_) fmt::print(stderr, "{}", kWipeLine);
+}
+
+void Progress::show(double time, int frame, const FluidStep& step) {
+  ++steps_;
+  const double now = watch_.seconds();
+  if (!enabled_ || (last_drawn_ >= 0 && now - last_drawn_ < kRedrawSeconds)) return;
+  last_drawn_ = now;
+  fmt::print(stderr, "{}{}", kWipeLine,
+             progress_line(title_, time, duration_, frame, frames_, steps_, now, step));
+  std::fflush(stderr);
+}
+
+}  // namespace kappaflow

@@ -1,0 +1,38 @@
+// One line on the terminal that says how far a run is.
+#pragma once
+
+#include <string>
+
+#include "solver/fluid_solver.h"
+#include "tools/timings.h"
+
+namespace kappaflow {
+
+/// Draws on stderr, at most five times a second, and only when that is a terminal; wipes itself out at the
+/// end.
+class Progress {
+ public:
+  /// duration [s] of simulated time; frames: number of the last one.
+  Progress(std::string title, double duration, int frames, bool enabled);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  /// Call after each solver step that worked towards `frame`.
+  void show(double time, int frame, const FluidStep& step);
+
+ private:
+  std::string title_;
+  double duration_;
+  int frames_;
+  bool enabled_;
+  Stopwatch watch_;
+  double last_drawn_ = -1;  // [s] of watch_
+  std::size_t steps_ = 0;
+};
+
+/// The line itself. elapsed: wall time so far [s].
+std::string progress_line(const std::string& title, double time, double duration, int frame, int frames,
+                          std::size_t steps, double elapsed, const FluidStep& step);
+
+}  // namespace kappaflow

@@ -1,0 +1,183 @@
+#include "tools/run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+
+#include "scenes/wall_distance.h"
+#include "tools/data_files.h"
+#include "tools/metrics.h"
+#include "tools/progress.h"
+#include "tools/run_folder.h"
+#include "tools/run_record.h"
+#include "tools/simulation.h"
+#include "tools/summary.h"
+
+namespace kappaflow {
+namespace {
+
+constexpr int kExitInterrupted = 130;  // 128 + SIGINT, as shells have it
+
+volatile std::sig_atomic_t interrupted = 0;
+
+// Installs the handler for as long as it lives; a second Ctrl-C ends the program at once.
+class InterruptGuard {
+ public:
+  InterruptGuard() {
+    interrupted = 0;
+    previous_ = std::signal(SIGINT, [](int) {
+      interrupted = 1;
+      std::signal(SIGINT, SIG_DFL);
+    });
+  }
+  ~InterruptGuard() { std::signal(SIGINT, previous_); }
+  InterruptGuard(const InterruptGuard&) = delete;
+  InterruptGuard& operator=(const InterruptGuard&) = delete;
+
+ private:
+  void (*previous_)(int);
+};
+
+Scene load_scene_for(const RunOptions& options) {
+  Scene scene = load_scene(options.scene);
+  if (options.duration) scene.duration = *options.duration;
+  if (!options.methods.empty()) scene.surface.methods = options.methods;
+  return scene;
+}
+
+std::filesystem::path folder_for(const RunOptions& options) {
+  return options.folder.empty() ? std::filesystem::path("out") / options.scene.stem() : options.folder;
+}
+
+// Frame 0 is the start; the last one falls on the duration even where that is no multiple of the frame time.
+struct FrameTimes {
+  explicit FrameTimes(const Scene& scene)
+      : count(static_cast<int>(std::ceil(scene.duration * scene.output.frames_per_second - 1e-9))),
+        frames_per_second(scene.output.frames_per_second),
+        duration(scene.duration) {}
+  double operator[](int frame) const { return std::min(frame / frames_per_second, duration); }
+
+  int count;  ///< number of the last frame
+  double frames_per_second, duration;
+};
+
+// Measures and writes frames; keeps what is the same in all of them.
+class FrameWriter {
+ public:
+  FrameWriter(const Scene& scene, const Simulation& simulation, RunFolder& folder)
+      : scene_(scene), simulation_(simulation), folder_(folder), walls_(simulation.walls()) {
+    const TriangleMesh& mesh = simulation.trackers().front().mesh();
+    initial_vertices_ = mesh.vertex_count();
+    checker_ =
+        checker_colours(mesh.rest_position, scene.output.checker_size * simulation.field_options().sigma);
+    texture_coordinates_ = texture_coordinates(mesh.rest_position, scene.output.texture);
+  }
+
+  void write(int frame, double time, SinceFrame since_frame, RunSummary& summary) {
+    const Stopwatch shared_watch;
+    const FrameMetrics frame_metrics = measure_frame(frame, time, since_frame);
+    write_particles(frame);
+    const double shared_seconds = shared_watch.seconds();
+
+    std::string metrics_rows, timings_rows;
+    summary.methods.resize(simulation_.trackers().size());
+    for (std::size_t m = 0; m < simulation_.trackers().size(); ++m) {
+      const Stopwatch watch;
+      const std::string method(simulation_.trackers()[m].method().name);
+      const SurfaceMetrics metrics = write_surface(frame, time, m, since_frame.residual_max[m]);
+      since_frame.seconds[m].output = shared_seconds + watch.seconds();
+      metrics_rows += metrics_row(frame_metrics, method, metrics);
+      timings_rows += timings_row(frame, time, method, since_frame.seconds[m]);
+      summary.methods[m].add_frame(method, metrics, since_frame.seconds[m]);
+    }
+    folder_.finish_frame(time, metrics_rows, timings_rows);
+    summary.add_frame(frame_metrics, shared_seconds);
+  }
+
+ private:
+  FrameMetrics measure_frame(int frame, double time, const SinceFrame& since_frame) const {
+    FrameMetrics metrics;
+    metrics.frame = frame;
+    metrics.time = time;
+    metrics.particles = simulation_.particles().size();
+    metrics.penetration_max = penetration_max(simulation_.particles().position, walls_, scene_.fluid.spacing);
+    metrics.density_error_mean = since_frame.density_error_mean;
+    metrics.density_error_max = since_frame.density_error_max;
+    measure_isosurface(simulation_.field(), simulation_.field_options().sigma, metrics);
+    return metrics;
+  }
+
+  void write_particles(int frame) {
+    const Particles& particles = simulation_.particles();
+    const ParticleFieldOptions& options = simulation_.field_options();
+    const std::vector<float> density = simulation_.fluid().densities(),
+                             pressure = simulation_.fluid().pressures();
+    const std::vector<double> weight = field_weights(particles.position, options.sigma, options.weights);
+    folder_.write_particles(frame, *particle_data({particles, density, pressure, weight, options.sigma}));
+  }
+
+  SurfaceMetrics write_surface(int frame, double time, std::size_t m, double residual_since_frame) {
+    const SurfaceTracker& tracker = simulation_.trackers()[m];
+    const TriangleMesh& mesh = tracker.mesh();
+    const SurfaceState state = surface_state(simulation_.field(), mesh, tracker.rings(), tracker.method(),
+                                             tracker.options().velocity);
+    folder_.write_surface(frame, std::string(tracker.method().name),
+                          *surface_data({time, mesh, state, checker_, texture_coordinates_}));
+
+    SurfaceMetrics metrics =
+        surface_metrics(simulation_.field(), mesh, tracker.rings(), state, scene_.output.report_axis);
+    metrics.residual_max = std::max(metrics.residual_max, residual_since_frame);
+    metrics.tracer_distance =
+        tracer_distance(mesh.position, simulation_.tracers(), simulation_.field_options().sigma);
+    metrics.kept_fraction = static_cast<double>(mesh.vertex_count()) / static_cast<double>(initial_vertices_);
+    return metrics;
+  }
+
+  const Scene& scene_;
+  const Simulation& simulation_;
+  RunFolder& folder_;
+  WallDistance walls_;
+  std::size_t initial_vertices_ = 0;
+  std::vector<Rgb> checker_;
+  std::vector<Vec2> texture_coordinates_;
+};
+
+}  // namespace
+
+int run(const RunOptions& options) {
+  const InterruptGuard interrupt_guard;
+  const Stopwatch watch;
+  const Scene scene = load_scene_for(options);
+  RunFolder folder(folder_for(options), scene.surface.methods, options.force);
+  Simulation simulation(scene);
+  folder.write_record(run_record(options, scene, simulation));
+  if (!simulation.walls().empty()) folder.write_boundary(*boundary_data(simulation.walls()));
+
+  const FrameTimes times(scene);
+  FrameWriter writer(scene, simulation, folder);
+  RunSummary summary;
+  writer.write(0, 0, simulation.take_since_frame(), summary);
+  {
+    Progress progress(scene.title, scene.duration, times.count, !options.quiet);
+    for (int frame = 1; frame <= times.count; ++frame) {
+      const bool arrived = simulation.advance(times[frame], [&](const FluidStep& step) {
+        progress.show(simulation.fluid().time(), frame, step);
+        return !interrupted;
+      });
+      if (arrived) writer.write(frame, times[frame], simulation.take_since_frame(), summary);
+      if (interrupted) break;
+    }
+  }
+  summary.steps = simulation.steps();
+  summary.wall_seconds = watch.seconds();
+  if (!options.quiet)
+    fmt::print("{}", summary_text(summary, scene, simulation.field_options(), folder.path()));
+  if (!interrupted) return 0;
+  fmt::print(stderr, "kappaflow: interrupted at t = {:.6g} s; {} frames are complete\n",
+             simulation.fluid().time(), summary.frames);
+  return kExitInterrupted;
+}
+
+}  // namespace kappaflow

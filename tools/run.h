@@ -1,0 +1,25 @@
+// `kappaflow run`: simulates a scene, tracks its surface, and writes the run folder.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace kappaflow {
+
+struct RunOptions {
+  std::filesystem::path scene;
+  std::filesystem::path folder;      ///< empty: out/<name of the scene file>
+  std::vector<std::string> methods;  ///< empty: those of the scene
+  std::optional<double> duration;    ///< instead of the scene's [s]
+  int threads = 1;
+  bool force = false;                ///< replace a run that the folder already holds
+  bool quiet = false;                ///< print errors only
+  std::vector<std::string> command;  ///< the command line, for run.json
+};
+
+/// Returns the exit code: 0, or 130 after an interrupt (SIGINT), which ends the run after the current step.
+int run(const RunOptions& options);
+
+}  // namespace kappaflow

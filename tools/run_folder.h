@@ -1,0 +1,48 @@
+// The files of one run: their names, their places, and what happens when they are already there.
+#pragma once
+
+#include <vtkPolyData.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace kappaflow {
+
+/// A run folder:
+///   run.json  metrics.csv  timings.csv  boundary.vtp  run.pvd
+///   particles.pvd  particles/particles_0000.vtp ...
+///   surface-<method>.pvd  surface-<method>/surface_0000.vtp ...
+/// Whatever is there under these names is complete and listed in the .pvd files, at any moment of the run.
+class RunFolder {
+ public:
+  /// Makes the folder and its tables. Throws InvalidInput when the folder already holds a run (a run.json)
+  /// and `force` is not set (with it, the old run's files are removed, and nothing else), IoError when the
+  /// folder cannot be written.
+  RunFolder(std::filesystem::path folder, std::vector<std::string> methods, bool force);
+
+  const std::filesystem::path& path() const { return folder_; }
+
+  void write_record(const std::string& json);
+  void write_boundary(vtkPolyData& data);
+  void write_particles(int frame, vtkPolyData& data);
+  void write_surface(int frame, const std::string& method, vtkPolyData& data);
+  /// Lists the frame's files at `time` [s] in the .pvd files and appends its rows to the tables.
+  void finish_frame(double time, const std::string& metrics_rows, const std::string& timings_rows);
+
+ private:
+  void write_collections() const;
+
+  std::filesystem::path folder_;
+  std::vector<std::string> methods_;
+  std::vector<double> times_;  // of the finished frames [s]
+  bool has_boundary_ = false;
+};
+
+/// The file of a frame relative to the run folder.
+std::string particle_file(int frame);
+std::string surface_file(const std::string& method, int frame);
+inline constexpr const char* kBoundaryFile = "boundary.vtp";
+inline constexpr const char* kRecordFile = "run.json";
+
+}  // namespace kappaflow

@@ -1,0 +1,83 @@
+#include "tools/run_record.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <tbb/version.h>
+#include <vtkVersionMacros.h>
+#include <vtk_jsoncpp.h>
+
+#include <Eigen/Core>
+
+#include "core/version.h"
+
+namespace kappaflow {
+namespace {
+
+Json::Value list(const std::vector<std::string>& words) {
+  Json::Value array(Json::arrayValue);
+  for (const std::string& word : words) array.append(word);
+  return array;
+}
+
+Json::Value options_record(const RunOptions& options) {
+  Json::Value record;
+  record["methods"] = list(options.methods);
+  record["duration"] = options.duration ? Json::Value(*options.duration) : Json::Value();
+  record["force"] = options.force;
+  record["quiet"] = options.quiet;
+  return record;
+}
+
+Json::Value scene_record(const Scene& scene) {
+  Json::Value record;
+  record["file"] = scene.file.string();
+  record["title"] = scene.title;
+  record["hash"] = text_hash(scene.text);
+  record["text"] = scene.text;
+  return record;
+}
+
+}  // namespace
+
+std::string text_hash(std::string_view text) {
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
+  return fmt::format("fnv1a64:{:016x}", hash);
+}
+
+std::string build_description() {
+  return fmt::format("compiler {} {}, {} build\nVTK {}, Eigen {}.{}.{}, oneTBB {}.{}\n",
+#ifdef __clang__
+                     "Clang", __clang_version__,
+#else
+                     "GCC", __VERSION__,
+#endif
+                     KAPPAFLOW_BUILD_TYPE, VTK_VERSION, EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION,
+                     EIGEN_MINOR_VERSION, TBB_VERSION_MAJOR, TBB_VERSION_MINOR);
+}
+
+std::string run_record(const RunOptions& options, const Scene& scene, const Simulation& simulation) {
+  const ParticleFieldOptions& field = simulation.field_options();
+  Json::Value record;
+  record["version"] = kVersion;
+  record["build"] = build_description();
+  record["started"] = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::now()));
+  record["command"] = list(options.command);
+  record["options"] = options_record(options);
+  record["scene"] = scene_record(scene);
+  record["seed"] = Json::Value();  // null: nothing in a run is random
+  record["threads"] = options.threads;
+  record["particles"] = Json::UInt64{simulation.particles().size()};
+  record["duration"] = scene.duration;
+  record["frames_per_second"] = scene.output.frames_per_second;
+  record["methods"] = list(scene.surface.methods);
+  record["sigma"] = field.sigma;
+  record["threshold"] = field.threshold;
+  record["threshold_rule"] = scene.surface.threshold ? "number" : "auto";
+  Json::StreamWriterBuilder writer;
+  writer["indentation"] = "  ";
+  writer["precision"] = 17;
+  return Json::writeString(writer, record) + "\n";
+}
+
+}  // namespace kappaflow

@@ -1,0 +1,23 @@
+// run.json: what was run, so that it can be run again.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "scenes/scene.h"
+#include "tools/run.h"
+#include "tools/simulation.h"
+
+namespace kappaflow {
+
+/// The text of run.json: version, build, command, options, scene (file, hash, text), threads, and the numbers
+/// that were derived from the scene (threshold, sigma, frame count).
+std::string run_record(const RunOptions& options, const Scene& scene, const Simulation& simulation);
+
+/// "fnv1a64:" and 16 hex digits: the 64-bit FNV-1a hash of a text, to recognise a scene, not to protect it.
+std::string text_hash(std::string_view text);
+
+/// Compiler, build type and library versions, one a line.
+std::string build_description();
+
+}  // namespace kappaflow

@@ -1,0 +1,84 @@
+#include "tools/summary.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace kappaflow {
+namespace {
+
+std::string mean(double sum, int count) {
+  return count > 0 ? fmt::format("{:.4f}", sum / count) : "-";
+}
+
+std::string run_lines(const RunSummary& s, const Scene& scene, const ParticleFieldOptions& field) {
+  return fmt::format(
+             "{}\n  {} particles, {} frames, {} steps to t = {:.4g} s; threshold {:.6g}, sigma {:.4g} m\n",
+             scene.title, s.last.particles, s.frames, s.steps, s.last.time, field.threshold, field.sigma) +
+         fmt::format(
+             "  deepest particle {:.3f} spacings inside a wall; compression mean {:.2e}, max {:.2e}\n",
+             s.penetration_max, s.density_error_mean, s.density_error_max);
+}
+
+std::string time_line(const RunSummary& s) {
+  double tracking = 0, output = s.shared_output_seconds;
+  for (const MethodSummary& m : s.methods) {
+    tracking += m.seconds.velocity + m.seconds.fairing + m.seconds.remesh;
+    output += m.seconds.output - s.shared_output_seconds;
+  }
+  const double solver = s.methods.empty() ? 0 : s.methods.front().seconds.solver;
+  return fmt::format(
+      "  {:.1f} s: liquid {:.1f}, surfaces {:.1f}, metrics and files {:.1f}, the rest {:.1f}\n",
+      s.wall_seconds, solver, tracking, output, s.wall_seconds - solver - tracking - output);
+}
+
+std::string method_table(const RunSummary& s) {
+  std::string text =
+      fmt::format("\n  {:<16}{:>9}{:>13}{:>12}{:>12}{:>10}{:>10}{:>10}{:>13}\n", "method", "vertices",
+                  "quality min", "mean", "residual", "volume", "slip", "rotation", "unprojected");
+  for (const MethodSummary& m : s.methods) {
+    const double volume_error = m.last.size.volume / s.last.isosurface_volume - 1;
+    text += fmt::format("  {:<16}{:>9}{:>13.4f}{:>12.4f}{:>12.1e}{:>+9.2f}%{:>10}{:>10}{:>13}\n", m.name,
+                        m.last.vertices, m.last.quality.min, m.last.quality.mean, m.residual_max,
+                        100 * volume_error, mean(m.slip_sum, m.slips), mean(m.rotation_sum, m.rotations),
+                        m.last.unprojected);
+  }
+  return text +
+         "  quality, unprojected: at the end; residual: largest, in sigma; volume: against a fresh "
+         "isosurface at the end;\n"
+         "  slip and rotation captured: mean over the frames, against the material's motion\n\n";
+}
+
+}  // namespace
+
+void MethodSummary::add_frame(const std::string& method, const SurfaceMetrics& metrics,
+                              const PhaseSeconds& frame_seconds) {
+  name = method;
+  last = metrics;
+  residual_max = std::max(residual_max, metrics.residual_max);
+  if (metrics.slip) slip_sum += *metrics.slip, ++slips;
+  if (metrics.rotation_captured) rotation_sum += *metrics.rotation_captured, ++rotations;
+  seconds.solver += frame_seconds.solver;
+  seconds.velocity += frame_seconds.velocity;
+  seconds.fairing += frame_seconds.fairing;
+  seconds.remesh += frame_seconds.remesh;
+  seconds.output += frame_seconds.output;
+}
+
+void RunSummary::add_frame(const FrameMetrics& metrics, double shared_seconds) {
+  last = metrics;
+  penetration_max = std::max(penetration_max, metrics.penetration_max);
+  density_error_mean = std::max(density_error_mean, metrics.density_error_mean);
+  density_error_max = std::max(density_error_max, metrics.density_error_max);
+  shared_output_seconds += shared_seconds;
+  ++frames;
+}
+
+std::string summary_text(const RunSummary& summary, const Scene& scene, const ParticleFieldOptions& field,
+                         const std::filesystem::path& folder) {
+  return run_lines(summary, scene, field) + time_line(summary) + method_table(summary) +
+         fmt::format("Results: {}\nOpen:    paraview {}\n", folder.string(), (folder / "run.pvd").string());
+}
+
+}  // namespace kappaflow

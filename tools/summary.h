@@ -1,0 +1,43 @@
+// What `kappaflow run` prints at its end.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "scenes/scene.h"
+#include "tools/metrics.h"
+#include "tools/timings.h"
+
+namespace kappaflow {
+
+/// One method over the whole run.
+struct MethodSummary {
+  std::string name;
+  SurfaceMetrics last;           ///< of the last frame
+  double residual_max = 0;       ///< largest of all frames [sigma]
+  double slip_sum = 0;           ///< over the frames that have one
+  double rotation_sum = 0;       ///< likewise
+  int slips = 0, rotations = 0;  ///< frames that have one
+  PhaseSeconds seconds;          ///< summed over the frames
+
+  void add_frame(const std::string& method, const SurfaceMetrics& metrics, const PhaseSeconds& frame_seconds);
+};
+
+/// The whole run.
+struct RunSummary {
+  std::vector<MethodSummary> methods;
+  FrameMetrics last;
+  double penetration_max = 0, density_error_mean = 0, density_error_max = 0;  ///< largest of all frames
+  int frames = 0;         ///< finished ones, the first included
+  std::size_t steps = 0;  ///< of the solver
+  double shared_output_seconds = 0;
+  double wall_seconds = 0;
+
+  void add_frame(const FrameMetrics& metrics, double shared_seconds);
+};
+
+std::string summary_text(const RunSummary& summary, const Scene& scene, const ParticleFieldOptions& field,
+                         const std::filesystem::path& folder);
+
+}  // namespace kappaflow

@@ -1,0 +1,34 @@
+// Wall times, and the numbers of timings.csv.
+#pragma once
+
+#include <chrono>
+#include <string>
+
+namespace kappaflow {
+
+/// Seconds since it was made.
+class Stopwatch {
+ public:
+  double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// Wall time of one method between two frames, or of a whole run [s]. The fields that all methods share are
+/// evaluated when the first method asks for them, so they count to its velocity.
+struct PhaseSeconds {
+  double solver = 0;    ///< the liquid; the same for every method
+  double velocity = 0;  ///< velocities and advection
+  double fairing = 0;   ///< fairing and projection
+  double remesh = 0;    ///< edits of the mesh
+  double output = 0;    ///< metrics and files
+};
+
+/// One line each, with the line's end; milliseconds.
+std::string timings_header();
+std::string timings_row(int frame, double time, const std::string& method, const PhaseSeconds& seconds);
+
+}  // namespace kappaflow
