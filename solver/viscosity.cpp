@@ -52,7 +52,8 @@ void ViscositySolver::invert_diagonal(const NeighbourLists& lists, const WallSum
 int ViscositySolver::solve(FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,
                            float time_step) {
   const std::size_t n = particles.size();
-  for (auto* array : {&residual_, &direction_, &image_, &preconditioned_}) array->resize(n);
+  for (auto* array : {&residual_, &image_, &preconditioned_}) array->resize(n);
+  direction_.assign(n, Vec4f::Zero());  // resize() leaves Eigen's vectors uninitialised, and 0 * NaN is NaN
   auto& velocity = particles.velocity;
   auto& change = particles.viscous_change;
   invert_diagonal(lists, walls, time_step);
