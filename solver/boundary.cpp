@@ -8,10 +8,11 @@
 namespace kappaflow {
 namespace {
 
-// The particle's own pressure is mirrored at the wall (p_b = p_i), so it acts twice: as p_i and as p_b. The
-// density's rate takes the same factor, which keeps the pressure system symmetric; walls then brake what
-// approaches twice as early.
-constexpr float kMirrored = 2;
+// Wall particles are this much larger than the liquid's and stand so much deeper (sample_walls()) that a
+// layer of liquid half a spacing off the wall has rest density, as inside a cubic lattice. Only the liquid's
+// own pressure acts on the contact layer, so the wall's density must rise about twice as steeply as a layer
+// of liquid's to hold what is above.
+constexpr float kVolumeRatio = 2;
 
 /// Sum of the kernel over a square lattice in a plane through one of its points. A wall of such particles
 /// with volumes spacing^3 continues a cubic lattice of liquid without a jump in density.
@@ -27,7 +28,7 @@ Walls::Walls(std::span<const Vec3> position, float spacing)
   grid_.build(position, support);
   for (std::size_t b = 0; b < samples_.size(); ++b)
     samples_[b] << position[grid_.order()[b]].cast<float>(), 0.0f;
-  const float full = square_lattice_sum(kernel_, spacing) * spacing * spacing * spacing;
+  const float full = kVolumeRatio * square_lattice_sum(kernel_, spacing) * spacing * spacing * spacing;
   std::vector<float> volume(samples_.size());
   parallel_for(samples_.size(), [&](std::size_t b) {
     float sum = 0;  // Akinci et al. 2012, Eq. 4, scaled so that an even layer gets the liquid's volumes
@@ -63,7 +64,7 @@ void Walls::add_to(std::size_t i, FluidParticles& particles, WallSums& sums) con
   sums.touches[i] = touches;
   sums.friction[i] = friction;
   particles.density[i] += density;
-  particles.gradient_sum[i] += kMirrored * gradient;
+  particles.gradient_sum[i] += gradient;
 }
 
 void Walls::add_to(FluidParticles& particles, WallSums& sums) const {

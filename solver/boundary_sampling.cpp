@@ -14,6 +14,7 @@
 namespace kappaflow {
 namespace {
 
+constexpr double kDepth = 0.68;             // below the surface, in spacings
 constexpr double kMinDistance = 0.6;        // between samples, in spacings
 constexpr double kCandidateDistance = 0.2;  // between candidates, in spacings
 
@@ -30,18 +31,24 @@ struct Candidate {
   Vec3 position, normal;
 };
 
-/// Appends a triangular lattice over abc, its border included, moved `depth` against the face's normal.
-void append_lattice(const Vec3& a, const Vec3& b, const Vec3& c, double depth, double step,
-                    std::vector<Candidate>& candidates) {
+/// Appends points that cover abc, its border included, no further than `step` apart in rows along its longest
+/// edge; moved `depth` against the face's normal.
+void append_rows(Vec3 a, Vec3 b, Vec3 c, double depth, double step, std::vector<Candidate>& candidates) {
   const Vec3 normal = (b - a).cross(c - a).stableNormalized();
   if (normal.squaredNorm() == 0) return;
-  const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
-  const int n = std::max(1, static_cast<int>(std::ceil(longest / step)));
-  for (int i = 0; i <= n; ++i)
-    for (int j = 0; j <= n - i; ++j) {
-      const Vec3 point = a + (b - a) * (static_cast<double>(i) / n) + (c - a) * (static_cast<double>(j) / n);
-      candidates.push_back({point - depth * normal, normal});
-    }
+  while ((b - a).squaredNorm() < std::max((c - b).squaredNorm(), (a - c).squaredNorm())) {
+    std::swap(a, b);
+    std::swap(b, c);
+  }
+  const double height = (c - a).cross(b - a).norm() / (b - a).norm();
+  const int rows = static_cast<int>(std::ceil(height / step));
+  for (int row = 0; row <= rows; ++row) {
+    const double t = static_cast<double>(row) / rows;
+    const Vec3 first = a + t * (c - a) - depth * normal, length = (1 - t) * (b - a);
+    const int columns = static_cast<int>(std::ceil(length.norm() / step));
+    for (int k = 0; k <= columns; ++k)
+      candidates.push_back({first + (static_cast<double>(k) / std::max(columns, 1)) * length, normal});
+  }
 }
 
 /// The candidates that are `depth` deep in the union: those below a convex edge are less, those that another
@@ -57,7 +64,7 @@ std::vector<Vec3> at_depth(const std::vector<Candidate>& candidates, std::span<c
     const Vec3& x = nearest[i].position;
     if (excess > 1e-3 * depth && nearest[i].normal.dot(candidates[i].normal) < -0.9)
       throw InvalidInput(
-          fmt::format("wall: thinner than the particle spacing of {:.4g} m at ({:.4g}, {:.4g}, {:.4g}); "
+          fmt::format("wall: thinner than {:.4g} m, 1.36 particle spacings, at ({:.4g}, {:.4g}, {:.4g}); "
                       "make it thicker or lower the spacing",
                       2 * depth, x.x(), x.y(), x.z()));
     if (std::abs(excess) < 1e-3 * depth) kept.push_back(candidates[i].position);
@@ -94,12 +101,12 @@ std::vector<Vec3> poisson_disk_subset(const std::vector<Vec3>& points, double di
 
 std::vector<Vec3> sample_walls(std::span<const TriangleSurface> walls, std::span<const SolidDistance> solids,
                                double spacing) {
-  const double depth = 0.5 * spacing;
+  const double depth = kDepth * spacing;
   std::vector<Candidate> candidates;
   for (const TriangleSurface& wall : walls)
     for (const Triangle& t : wall.triangles)
-      append_lattice(wall.vertices[t[0]], wall.vertices[t[1]], wall.vertices[t[2]], depth,
-                     kCandidateDistance * spacing, candidates);
+      append_rows(wall.vertices[t[0]], wall.vertices[t[1]], wall.vertices[t[2]], depth,
+                  kCandidateDistance * spacing, candidates);
   return poisson_disk_subset(at_depth(candidates, solids, depth), kMinDistance * spacing);
 }
 

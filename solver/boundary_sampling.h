@@ -9,12 +9,11 @@
 
 namespace kappaflow {
 
-/// Particles half a spacing below the surface of the union of the solids, so that liquid resting against a
-/// wall continues their layer at the distance of one spacing and its outermost centres stand half a spacing
-/// off the wall. A Poisson-disk set (dart throwing in a fixed pseudo-random order): no two are nearer than
-/// 0.6 spacing, and no place of the layer is further than that from one. Faces that another solid covers get
-/// none. solids[k] belongs to walls[k]. Throws InvalidInput where a wall is thinner than one spacing, for
-/// then it has no such layer.
+/// Particles 0.68 spacing below the surface of the union of the solids, see boundary.cpp for why: liquid then
+/// rests about half a spacing off the wall. A Poisson-disk set (dart throwing in a fixed pseudo-random
+/// order): no two are nearer than 0.6 spacing, and no place of the layer is further than about that from one.
+/// Faces that another solid covers get none. Throws InvalidInput where a wall is thinner than 1.36 spacings,
+/// for then it has no such layer.
 std::vector<Vec3> sample_walls(std::span<const TriangleSurface> walls, std::span<const SolidDistance> solids,
                                double spacing);
 

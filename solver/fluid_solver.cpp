@@ -95,6 +95,7 @@ FluidStep FluidSolver::step(double time_left) {
   const float dt = static_cast<float>(done.time_step);
 
   accelerate(s.particles, padded(s.options.gravity), dt);
+  s.pressure.apply_last(s.particles, s.neighbours, dt);
   done.viscosity_iterations = s.viscosity.solve(s.particles, s.neighbours, s.wall_sums, dt);
   done.density_iterations = s.pressure.correct_density(s.particles, s.neighbours, dt).iterations;
   s.check_finite();

@@ -8,24 +8,27 @@
 namespace kappaflow {
 namespace {
 
-constexpr float kRelaxation =
-    0.5f;  // of the Jacobi steps; dt^2 D D^T scaled by its diagonal stays below 2 / this
 constexpr int kMinIterations = 1;
-constexpr float kLeastDiagonal = 1e-20f;  // below: no neighbours, no pressure
 constexpr float kMaxCompression = 0.03f;  // of any particle when the solve stops [1]
-
-/// What one iteration learns over all particles.
-struct Progress {
-  double error = 0;      // sum of the violated constraints
-  double overshoot = 0;  // > 0: the extrapolation went against the gradient
-  float max_error = 0;
-};
-
-Progress operator+(const Progress& a, const Progress& b) {
-  return {a.error + b.error, a.overshoot + b.overshoot, std::max(a.max_error, b.max_error)};
-}
+constexpr float kLeastDiagonal = 1e-20f;  // below: no neighbours, no pressure
+constexpr float kFirstCurvature =
+    2.5f;  // largest eigenvalue of the scaled system to begin with; liquid has up to 3
 
 }  // namespace
+
+/// What one iteration learns over all particles.
+struct PressureSolver::Progress {
+  double error = 0;      // sum of |min(kappa diagonal, -violation)|, in the units of the constraint
+  double overshoot = 0;  // > 0: the extrapolation went against the gradient
+  double moved = 0;      // squared length of the last move, scaled by the diagonal
+  double curved = 0;     // the system's quadratic form of it
+  float max_error = 0;
+
+  friend Progress operator+(const Progress& a, const Progress& b) {
+    return {a.error + b.error, a.overshoot + b.overshoot, a.moved + b.moved, a.curved + b.curved,
+            std::max(a.max_error, b.max_error)};
+  }
+};
 
 float density_rate(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists,
                    const std::vector<Vec4f>& u) {
@@ -44,10 +47,20 @@ Vec4f pressure_acceleration(std::size_t i, const FluidParticles& particles, cons
   return -sum;
 }
 
+void PressureSolver::apply_last(FluidParticles& particles, const NeighbourLists& lists, float time_step) {
+  acceleration_.resize(particles.size());
+  parallel_for(particles.size(), [&](std::size_t i) {
+    acceleration_[i] = pressure_acceleration(i, particles, lists, particles.density_pressure);
+    particles.velocity[i] += time_step * acceleration_[i];
+  });
+}
+
 PressureSolve PressureSolver::correct_density(FluidParticles& particles, const NeighbourLists& lists,
                                               float time_step) {
-  source_.resize(particles.size());
-  parallel_for(particles.size(), [&](std::size_t i) {
+  const std::size_t n = particles.size();
+  source_.resize(n);
+  parallel_for(n, [&](std::size_t i) { particles.velocity[i] -= time_step * acceleration_[i]; });
+  parallel_for(n, [&](std::size_t i) {
     source_[i] = particles.density[i] - 1 + time_step * density_rate(i, particles, lists, particles.velocity);
   });
   return solve(particles, lists, time_step, density_tolerance_, particles.density_pressure);
@@ -63,39 +76,54 @@ PressureSolve PressureSolver::correct_divergence(FluidParticles& particles, cons
   return solve(particles, lists, time_step, divergence_tolerance_, particles.divergence_pressure);
 }
 
+PressureSolver::Progress PressureSolver::iterate(const FluidParticles& particles, const NeighbourLists& lists,
+                                                 float square_step, float relaxation,
+                                                 const std::vector<float>& kappa) {
+  const std::size_t n = particles.size();
+  parallel_for(n,
+               [&](std::size_t i) { acceleration_[i] = pressure_acceleration(i, particles, lists, kappa); });
+  return parallel_sum(n, Progress(), [&](std::size_t i) {
+    const float diagonal =
+        square_step * (particles.gradient_sum[i].squaredNorm() + particles.gradient_square_sum[i]);
+    const float violation = source_[i] + square_step * density_rate(i, particles, lists, acceleration_);
+    const float jacobi = violation / std::max(diagonal, square_step * kLeastDiagonal);
+    proposed_[i] =
+        diagonal > square_step * kLeastDiagonal ? std::max(0.0f, kappa[i] + relaxation * jacobi) : 0.0f;
+    const float move = kappa[i] - last_kappa_[i];
+    const Progress progress{std::abs(std::max(-kappa[i] * diagonal, violation)),
+                            (kappa[i] - proposed_[i]) * diagonal * (proposed_[i] - accepted_[i]),
+                            move * diagonal * move, move * (last_violation_[i] - violation), violation};
+    last_kappa_[i] = kappa[i];
+    last_violation_[i] = violation;
+    return progress;
+  });
+}
+
 PressureSolve PressureSolver::solve(FluidParticles& particles, const NeighbourLists& lists, float time_step,
                                     double tolerance, std::vector<float>& kappa) {
   const std::size_t n = particles.size();
   acceleration_.resize(n);
   proposed_.resize(n);
-  previous_ = kappa;
-  const float square_step = time_step * time_step;
-  float momentum = 1;
+  last_violation_.resize(n);
+  accepted_ = last_kappa_ = kappa;
+  float momentum = 1, curvature = kFirstCurvature;
   for (int iterations = 0;; ++iterations) {
-    parallel_for(
-        n, [&](std::size_t i) { acceleration_[i] = pressure_acceleration(i, particles, lists, kappa); });
-    const Progress progress = parallel_sum(n, Progress(), [&](std::size_t i) {
-      const float violation = source_[i] + square_step * density_rate(i, particles, lists, acceleration_);
-      const Vec4f g = particles.gradient_sum[i];
-      const float diagonal = square_step * (g.squaredNorm() + particles.gradient_square_sum[i]);
-      proposed_[i] =
-          diagonal > kLeastDiagonal ? std::max(0.0f, kappa[i] + kRelaxation * violation / diagonal) : 0.0f;
-      return Progress{std::max(violation, 0.0f),
-                      (kappa[i] - proposed_[i]) * diagonal * (proposed_[i] - previous_[i]), violation};
-    });
-    const PressureSolve state{iterations, progress.error / static_cast<double>(n), progress.max_error};
-    const bool converged = state.mean_error <= tolerance && state.max_error <= kMaxCompression;
-    if ((converged && iterations >= kMinIterations) || iterations >= max_iterations_) {
+    const Progress progress = iterate(particles, lists, time_step * time_step, 1 / curvature, kappa);
+    const double mean_error = progress.error / static_cast<double>(n);
+    const bool converged = mean_error <= tolerance && progress.max_error <= kMaxCompression;
+    if ((converged && iterations >= kMinIterations) || iterations == max_iterations_) {
       parallel_for(n, [&](std::size_t i) { particles.velocity[i] += time_step * acceleration_[i]; });
-      return state;
+      return {iterations, mean_error, progress.max_error};
     }
-    if (progress.overshoot > 0) momentum = 1;
+    const bool too_long = progress.curved > curvature * progress.moved;
+    if (too_long) curvature = 1.1f * static_cast<float>(progress.curved / progress.moved);
+    if (too_long || progress.overshoot > 0) momentum = 1;
     const float next_momentum = 0.5f * (1 + std::sqrt(1 + 4 * momentum * momentum));
     const float extrapolation = (momentum - 1) / next_momentum;
     momentum = next_momentum;
     parallel_for(n, [&](std::size_t i) {
-      kappa[i] = std::max(0.0f, proposed_[i] + extrapolation * (proposed_[i] - previous_[i]));
-      previous_[i] = proposed_[i];
+      kappa[i] = std::max(0.0f, proposed_[i] + extrapolation * (proposed_[i] - accepted_[i]));
+      accepted_[i] = proposed_[i];
     });
   }
 }

@@ -20,16 +20,18 @@ struct PressureSolve {
 };
 
 /// Finds kappa_i >= 0 [m2/s2] such that the accelerations
-///   a_i = -sum_j V (kappa_i + kappa_j) grad W_ij - kappa_i G_i,wall
+///   a_i = -sum_j V (kappa_i + kappa_j) grad W_ij - kappa_i sum_b V_b grad W_ib
 /// leave no particle compressed after the step dt. kappa is p / (rho0 (rho/rho0)^2): the pressure in Pa is
-/// rho0 (rho/rho0)^2 (kappa of the density solve + kappa of the divergence solve), both per unit of the same
-/// dt.
+/// rho0 (rho/rho0)^2 (kappa of the density solve + kappa of the divergence solve), for both act during the
+/// same dt.
 ///
 /// With D the linear map from velocities to rates of relative density, a = -D^T kappa, so kappa solves the
-/// linear complementarity problem of dt^2 D D^T, symmetric and positive semidefinite. Solved by projected
-/// Jacobi steps with Nesterov's acceleration, restarted when it overshoots (O'Donoghue & Candes, "Adaptive
-/// restart for accelerated gradient schemes", 2015). Pair forces are antisymmetric: momentum is conserved to
-/// rounding.
+/// linear complementarity problem of dt^2 D D^T, symmetric and positive semidefinite: kappa >= 0, no particle
+/// compressed, and none held below rest density by a pressure. Solved by projected Jacobi steps with
+/// Nesterov's acceleration, restarted when they overshoot (O'Donoghue & Candes, "Adaptive restart for
+/// accelerated gradient schemes", 2015); their length follows from the curvature met on the way. The stopping
+/// error counts pressures that are too high as well as too low: the former, left over from the step before,
+/// would lift the liquid. Pair forces are antisymmetric: momentum is conserved to rounding.
 class PressureSolver {
  public:
   explicit PressureSolver(const FluidOptions& options)
@@ -37,8 +39,15 @@ class PressureSolver {
         divergence_tolerance_(options.divergence_tolerance),
         max_iterations_(options.max_pressure_iterations) {}
 
-  /// Constant-density solve: rho/rho0 - 1 + dt D(v + dt a) <= 0, to a mean error of density_tolerance.
-  /// Replaces particles.velocity and density_pressure, which starts the iteration. time_step [s].
+  /// Adds dt a of the last step's pressure to the velocities, before viscosity acts: else a viscous liquid at
+  /// rest would see gravity without its support and never come to rest (Goda, "A multistep technique with
+  /// implicit difference schemes for calculating two- or three-dimensional cavity flows", 1979).
+  /// correct_density() replaces it.
+  void apply_last(FluidParticles& particles, const NeighbourLists& lists, float time_step);
+
+  /// Constant-density solve: rho/rho0 - 1 + dt D(v + dt a) <= 0, where v are the velocities without the
+  /// pressure that apply_last() added. Replaces particles.velocity and density_pressure, which starts the
+  /// iteration. time_step [s].
   PressureSolve correct_density(FluidParticles& particles, const NeighbourLists& lists, float time_step);
 
   /// Divergence-free solve: dt D(v + dt a) <= max(0, 1 - rho/rho0), so loose particles at a surface may come
@@ -46,23 +55,27 @@ class PressureSolver {
   PressureSolve correct_divergence(FluidParticles& particles, const NeighbourLists& lists, float time_step);
 
  private:
+  struct Progress;
+
   PressureSolve solve(FluidParticles& particles, const NeighbourLists& lists, float time_step,
                       double tolerance, std::vector<float>& kappa);
+  Progress iterate(const FluidParticles& particles, const NeighbourLists& lists, float square_step,
+                   float relaxation, const std::vector<float>& kappa);
 
   double density_tolerance_, divergence_tolerance_;
   int max_iterations_;
-  std::vector<float> source_;    // left-hand side of the constraint before the solve
-  std::vector<float> previous_;  // kappa without extrapolation
-  std::vector<float> proposed_;
   std::vector<Vec4f> acceleration_;
+  std::vector<float> source_;               // left-hand side of the constraint without pressure
+  std::vector<float> proposed_, accepted_;  // kappa after this step and the last, before extrapolation
+  std::vector<float> last_kappa_, last_violation_;  // of the last iteration
 };
 
-/// Rate of change of the relative density that velocities u cause [1/s]: sum_j V (u_i - u_j) . grad W_ij +
-/// u_i . G_wall.
+/// D u: rate of change of the relative density that velocities u cause [1/s],
+/// sum_j V (u_i - u_j) . grad W_ij + u_i . sum_b V_b grad W_ib.
 float density_rate(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists,
                    const std::vector<Vec4f>& u);
 
-/// a_i above [m/s2].
+/// -D^T kappa: the accelerations a_i above [m/s2].
 Vec4f pressure_acceleration(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists,
                             const std::vector<float>& kappa);
 
