@@ -1,7 +1,6 @@
 // What a run will need: simple models, their constants in one place.
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "scenes/scene.h"
 #include "scenes/shapes.h"
@@ -10,18 +9,30 @@
 namespace kappaflow {
 namespace {
 
-constexpr int kNeighbours = 33;            // in a full neighbourhood of radius 2 spacings: 4/3 pi 2^3
-constexpr double kBytesPerNeighbour = 20;  // index and a Vec4f
-constexpr double kBytesPerFluidParticle =
-    480;  // about twenty Vec4f and thirty floats, doubles of the output included
+// Bytes. The solver keeps 33 neighbours a particle (4/3 pi 2^3 within two spacings), each an index and a
+// Vec4f, the index twice while the lists are made; and about ten Vec4f, three 3x4 matrices and thirty numbers
+// of 4 bytes a particle.
+constexpr double kBytesPerParticleInSolver = 33 * (20 + 4) + 10 * 16 + 3 * 48 + 30 * 4;
+// Particles at both ends of a step, the paths between them, and the fields of up to three stages, all in
+// double precision.
+constexpr double kBytesPerParticleInField = 2 * 56 + 112 + 3 * 80;
 constexpr double kBytesPerBoundaryParticle = 64;
-constexpr double kBytesPerFieldParticle =
-    160;  // position, velocity and weights at both ends of a step and at a stage
-constexpr double kBytesPerVertex = 400;   // mesh, rings, fairing, velocities of the stages, reported arrays
-constexpr double kVerticesPerCell = 1.5;  // of an isosurface per spacing^2 of area, averaged over directions
-constexpr double kSurfaceGrowth = 1.5;    // the liquid spreads: mean area over initial area
+// Mesh, rings, springs, velocities of the stages, what is reported and written.
+constexpr double kBytesPerVertex = 600;
+// The reference isosurface: a lattice [sigma] over the box around the liquid, which grows to a multiple of
+// its volume; the values and the extractor's copy.
+constexpr double kSampleSpacing = 0.25;
+constexpr double kSpread = 8;
+constexpr double kBytesPerSample = 8;
 
-// One core, one pass each.
+// Per spacing^2 of wall: a Poisson-disk set 0.6 spacings apart.
+constexpr double kBoundaryParticlesPerCell = 1.9;
+// Of an isosurface per spacing^2 of area, averaged over directions; and the liquid's mean area over that of
+// its blocks.
+constexpr double kVerticesPerCell = 1.5;
+constexpr double kSurfaceGrowth = 1.5;
+
+// Seconds on one core.
 constexpr double kSolverSecondsPerParticleStep = 2e-6;
 constexpr double kTrackerSecondsPerVertexStage = 2e-6;      // a velocity
 constexpr double kTrackerSecondsPerVertexFairing = 0.7e-6;  // one iteration with its projection
@@ -40,8 +51,17 @@ double area(const SphereShape& sphere) {
   return 4 * M_PI * sphere.radius * sphere.radius;
 }
 
+double memory(const Scene& scene, double particles, double boundary_particles, double vertices) {
+  const double methods = static_cast<double>(scene.surface.methods.size());
+  const double sample = kSampleSpacing * scene.surface.sigma;  // [spacings]
+  const double samples = methods > 0 ? kSpread * particles / (sample * sample * sample) : 0;
+  return particles * (kBytesPerParticleInSolver + kBytesPerParticleInField) +
+         boundary_particles * kBytesPerBoundaryParticle + methods * vertices * kBytesPerVertex +
+         samples * kBytesPerSample;
+}
+
 /// Largest speed by the end [m/s]: free fall for the whole duration, but not further than from the highest
-/// particle to the lowest point of the walls.
+/// particle to the lowest point of the walls, if there are any.
 double fastest_speed(const Scene& scene, const FluidParticlesAtStart& particles,
                      const std::vector<TriangleSurface>& walls) {
   const Vec3& gravity = scene.fluid.gravity;
@@ -51,6 +71,7 @@ double fastest_speed(const Scene& scene, const FluidParticlesAtStart& particles,
   for (const TriangleSurface& wall : walls)
     for (const Vec3& x : wall.vertices) lowest = std::min(lowest, -gravity.dot(x));
   const double by_time = fastest_start + gravity.norm() * scene.duration;
+  if (walls.empty()) return by_time;
   const double by_drop = std::sqrt(fastest_start * fastest_start + 2 * std::max(0.0, highest - lowest));
   return std::min(by_time, by_drop);
 }
@@ -91,7 +112,7 @@ SceneEstimate estimate(const Scene& scene, int threads) {
   double wall_area = 0;
   for (const TriangleSurface& wall : walls) wall_area += area_and_volume(wall.vertices, wall.triangles).area;
   const double particles = static_cast<double>(start.position.size());
-  const double boundary = wall_area / (scene.fluid.spacing * scene.fluid.spacing);
+  const double boundary = kBoundaryParticlesPerCell * wall_area / (scene.fluid.spacing * scene.fluid.spacing);
   const double methods = static_cast<double>(scene.surface.methods.size()),
                vertices = surface_vertices(scene);
   const double frames = scene.duration * scene.output.frames_per_second + 1;
@@ -102,9 +123,7 @@ SceneEstimate estimate(const Scene& scene, int threads) {
   SceneEstimate result;
   result.particles = start.position.size();
   result.boundary_particles = static_cast<std::size_t>(std::llround(boundary));
-  result.memory_bytes = static_cast<std::size_t>(
-      particles * (kNeighbours * kBytesPerNeighbour + kBytesPerFluidParticle + kBytesPerFieldParticle) +
-      boundary * kBytesPerBoundaryParticle + methods * vertices * kBytesPerVertex);
+  result.memory_bytes = static_cast<std::size_t>(memory(scene, particles, boundary, vertices));
   result.seconds =
       one_core * (1 - kParallelShare + kParallelShare / threads) +
       frames * (particles * kOutputSecondsPerParticle + methods * vertices * kOutputSecondsPerVertex);

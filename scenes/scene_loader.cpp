@@ -1,6 +1,7 @@
 // Reads a scene: one function a table of the file. Start reading at load_scene().
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "scenes/scene.h"
@@ -93,6 +94,20 @@ Wall read_wall(TomlTable t) {
   }
 }
 
+/// The solver lays particles half a spacing below a wall's surface, so that two sides need a spacing between
+/// them. Boxes and stairs are checked here, where the line is known; meshes by the solver.
+void check_thickness(const Wall& wall, double spacing) {
+  double thinnest = spacing;
+  if (const auto* box = std::get_if<BoxShape>(&wall.shape)) thinnest = (box->upper - box->lower).minCoeff();
+  if (const auto* stairs = std::get_if<StairsShape>(&wall.shape))
+    thinnest = std::min(stairs->thickness, stairs->width);
+  if (thinnest < spacing)
+    throw InvalidInput(
+        wall.where,
+        fmt::format("the wall is {:.6g} m thick; allowed: at least the particle spacing, {:.6g} m", thinnest,
+                    spacing));
+}
+
 /// kinematic_viscosity [m2/s], or dynamic_viscosity [Pa s] over the density; exactly one of them.
 double read_viscosity(TomlTable& t, double density) {
   const bool dynamic = t.has("dynamic_viscosity"), kinematic = t.has("kinematic_viscosity");
@@ -158,7 +173,8 @@ void read_surface(TomlTable t, SurfaceDescription& surface) {
   std::vector<std::string_view> methods;
   for (const VelocityMethod& method : velocity_methods()) methods.push_back(method.name);
 
-  // Below 1.5 spacings neighbouring particles hardly overlap; above 4 a particle has hundreds of neighbours.
+  // Below 1.2 spacings neighbouring particles hardly overlap; above 6 each point has a thousand of them in
+  // reach.
   surface.sigma = t.number("sigma", {1.2, 6, false, "spacings"}, surface.sigma);
   surface.weights = t.choice("weights", kWeights, std::optional(surface.weights));
   surface.threshold = t.number_or("auto", "threshold", positive("", 100), surface.threshold);
@@ -205,6 +221,7 @@ Scene load_scene(const std::filesystem::path& file) {
 
   read_fluid(std::move(fluid), scene.fluid, scene.blocks);
   for (TomlTable& wall : walls) scene.walls.push_back(read_wall(std::move(wall)));
+  for (const Wall& wall : scene.walls) check_thickness(wall, scene.fluid.spacing);
   read_solver(std::move(solver), scene.fluid);
   read_surface(std::move(surface), scene.surface);
   read_output(std::move(output), scene.duration, scene.output);

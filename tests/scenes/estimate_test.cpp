@@ -17,7 +17,7 @@ Scene tank(double spacing) {
 TEST(Estimate, CountsParticles) {
   const SceneEstimate result = estimate(tank(0.1), 1);
   EXPECT_EQ(result.particles, 1000u);
-  EXPECT_EQ(result.boundary_particles, 3000u);  // 30 m2 of wall
+  EXPECT_EQ(result.boundary_particles, 5700u);  // 30 m2 of wall, 1.9 per spacing^2
 }
 
 TEST(Estimate, MemoryGrowsWithTheParticles) {
