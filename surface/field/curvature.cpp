@@ -2,6 +2,9 @@
 // rule.
 #include "surface/field/curvature.h"
 
+#include <array>
+#include <cmath>
+
 namespace kappaflow {
 
 namespace {

@@ -12,6 +12,8 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include "core/errors.h"
 
