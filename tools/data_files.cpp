@@ -4,6 +4,7 @@
 #include <vtkCellData.h>
 #include <vtkCommand.h>
 #include <vtkDoubleArray.h>
+#include <vtkExecutive.h>
 #include <vtkFieldData.h>
 #include <vtkFloatArray.h>
 #include <vtkIntArray.h>
@@ -155,6 +156,7 @@ vtkSmartPointer<vtkPolyData> read_vtp(const std::filesystem::path& path) {
   auto reader = vtkSmartPointer<vtkXMLPolyDataReader>::New();
   auto errors = vtkSmartPointer<ErrorListener>::New();
   reader->AddObserver(vtkCommand::ErrorEvent, errors);
+  reader->GetExecutive()->AddObserver(vtkCommand::ErrorEvent, errors);
   reader->SetReaderErrorObserver(errors);
   reader->SetParserErrorObserver(errors);
   reader->ReadFromInputStringOn();

@@ -24,6 +24,14 @@ double penetration_max(std::span<const Vec3> position, const WallDistance& walls
          spacing;
 }
 
+Compression compression(std::span<const float> density, double rest_density) {
+  const std::size_t n = density.size();
+  const auto of = [&](std::size_t i) {
+    return std::max(static_cast<double>(density[i]) / rest_density - 1, 0.0);
+  };
+  return {parallel_sum(n, 0.0, of) / static_cast<double>(n), parallel_max(n, 0.0, of)};
+}
+
 void measure_isosurface(const Field& field, double sigma, FrameMetrics& metrics) {
   const TriangleMesh mesh = extract_isosurface(field, kIsosurfaceSpacing * sigma);
   metrics.isosurface_volume = area_and_volume(mesh.position, mesh.triangles).volume;

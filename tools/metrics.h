@@ -19,8 +19,8 @@ struct FrameMetrics {
   double time = 0;  ///< [s]
   std::size_t particles = 0;
   double penetration_max = 0;     ///< deepest particle centre inside a solid, in particle spacings; >= 0
-  double density_error_mean = 0;  ///< largest FluidStep::density_error_mean since the last frame [1]
-  double density_error_max = 0;   ///< largest FluidStep::density_error_max since the last frame [1]
+  double density_error_mean = 0;  ///< largest mean compression of a step since the last frame [1]
+  double density_error_max = 0;   ///< largest compression of a particle since then [1]
   double isosurface_volume = 0;   ///< of a fresh extraction at 0.25 sigma [m3]
   MeshTopology isosurface;        ///< of the same
 };
@@ -43,6 +43,12 @@ struct SurfaceMetrics {
 
 /// Depth of the deepest particle centre inside a solid over `spacing` [m]; 0 when all are outside.
 double penetration_max(std::span<const Vec3> position, const WallDistance& walls, double spacing);
+
+/// Mean and largest compression max(rho / rho0 - 1, 0) of the particles [1]; rho, rho0 in [kg/m3].
+struct Compression {
+  double mean = 0, max = 0;
+};
+Compression compression(std::span<const float> density, double rest_density);
 
 /// Fills the isosurface_* members from an extraction at 0.25 sigma [m].
 void measure_isosurface(const Field& field, double sigma, FrameMetrics& metrics);

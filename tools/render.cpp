@@ -34,6 +34,7 @@ namespace fs = std::filesystem;
 
 constexpr int kPanelWidth = 900, kPanelHeight = 800;  // [pixels]
 constexpr int kMultisamples = 8;
+constexpr double kFilled = 0.94, kTitleShare = 0.06;  // of half a panel
 
 /// What run.json says about the run, as far as pictures need it.
 struct RunFacts {
@@ -95,7 +96,7 @@ vtkSmartPointer<vtkActor> surface_actor(const fs::path& file) {
   actor->GetMapper()->SetColorModeToDirectScalars();
   vtkProperty& look = *actor->GetProperty();
   look.SetInterpolationToPhong();
-  look.SetAmbient(0.18);
+  look.SetAmbient(0.3);
   look.SetDiffuse(0.85);
   look.SetSpecular(0.12);
   look.SetSpecularPower(25);
@@ -104,9 +105,9 @@ vtkSmartPointer<vtkActor> surface_actor(const fs::path& file) {
 
 vtkSmartPointer<vtkActor> boundary_actor(const fs::path& file) {
   auto actor = make_actor(*read_vtp(file));
-  actor->GetProperty()->SetColor(0.86, 0.87, 0.88);
-  actor->GetProperty()->SetAmbient(0.25);
-  actor->GetProperty()->SetDiffuse(0.75);
+  actor->GetProperty()->SetColor(0.9, 0.91, 0.92);
+  actor->GetProperty()->SetAmbient(0.35);
+  actor->GetProperty()->SetDiffuse(0.7);
   return actor;
 }
 
@@ -132,19 +133,31 @@ void add_lights(vtkRenderer& renderer) {
     light->SetIntensity(intensity);
     renderer.AddLight(light);
   };
-  add(0.4, 0.9, 1, 0.75);
-  add(-1, 0.2, 0.6, 0.35);
+  add(0.3, 1, 0.9, 0.8);
+  add(-1, 0.1, 0.7, 0.45);
 }
 
-// Looks at `bounds` from the side, the front and above; gravity points down in the picture.
-void aim(vtkRenderer& renderer, const double bounds[6]) {
+// Looks at `subject` from the foot of the stairs, the right and above, and fills the panel below the title
+// with it; gravity points down in the picture.
+void aim(vtkRenderer& renderer, vtkPolyData& subject) {
   vtkCamera& camera = *renderer.GetActiveCamera();
-  camera.SetFocalPoint(0, 0, 0);
-  camera.SetPosition(0.62, 0.55, 1);
+  camera.SetPosition(0.9, 0.65, 1);
   camera.SetViewUp(0, 1, 0);
   camera.SetViewAngle(24);
-  renderer.ResetCamera(bounds);
-  camera.Zoom(1.25);
+  renderer.ResetCamera(subject.GetBounds());
+
+  // Where the subject lies on the screen, in [-1, 1] on both axes.
+  Vec2 lower = Vec2::Constant(1e9), upper = Vec2::Constant(-1e9);
+  for (vtkIdType i = 0; i < subject.GetNumberOfPoints(); ++i) {
+    Vec3 at(subject.GetPoint(i));
+    renderer.WorldToView(at[0], at[1], at[2]);
+    lower = lower.cwiseMin(at.head<2>());
+    upper = upper.cwiseMax(at.head<2>());
+  }
+  const Vec2 center = 0.5 * (lower + upper), size = upper - lower;
+  const double zoom = std::min(2 * kFilled / size.x(), 2 * (kFilled - kTitleShare) / size.y());
+  camera.SetWindowCenter(zoom * center.x(), zoom * center.y() + kTitleShare);
+  camera.Zoom(zoom);
 }
 
 struct Panel {
@@ -152,19 +165,19 @@ struct Panel {
   fs::path surface;
 };
 
-void fill_panel(vtkRenderer& renderer, const Panel& panel, const fs::path& boundary, const double bounds[6]) {
+void fill_panel(vtkRenderer& renderer, const Panel& panel, const fs::path& boundary, vtkPolyData& subject) {
   renderer.SetBackground(1, 1, 1);
   renderer.AddActor(surface_actor(panel.surface));
   if (fs::exists(boundary)) renderer.AddActor(boundary_actor(boundary));
   renderer.AddActor2D(title_actor(panel.title));
   add_lights(renderer);
-  aim(renderer, bounds);
+  aim(renderer, subject);
   renderer.ResetCameraClippingRange();
 }
 
-// The walls, or without walls the first surface: the same in every frame.
-void view_bounds(const fs::path& boundary, const fs::path& first_surface, double bounds[6]) {
-  read_vtp(fs::exists(boundary) ? boundary : first_surface)->GetBounds(bounds);
+// What fills the picture: the walls, or without walls the first surface. The same in every frame of a run.
+vtkSmartPointer<vtkPolyData> subject_of(const fs::path& boundary, const fs::path& first_surface) {
+  return read_vtp(fs::exists(boundary) ? boundary : first_surface);
 }
 
 void write_png(vtkRenderWindow& window, const fs::path& picture) {
@@ -194,8 +207,7 @@ void render(const RenderOptions& options) {
 
   const double time = std::min(frame / facts.frames_per_second, facts.duration);
   const fs::path boundary = options.folder / kBoundaryFile;
-  double bounds[6];
-  view_bounds(boundary, options.folder / surface_file(methods.front(), 0), bounds);
+  const auto subject = subject_of(boundary, options.folder / surface_file(methods.front(), 0));
 
   const auto panels = static_cast<double>(methods.size());
   vtkNew<vtkRenderWindow> window;
@@ -205,10 +217,10 @@ void render(const RenderOptions& options) {
   for (std::size_t m = 0; m < methods.size(); ++m) {
     vtkNew<vtkRenderer> renderer;
     renderer->SetViewport(static_cast<double>(m) / panels, 0, static_cast<double>(m + 1) / panels, 1);
+    window->AddRenderer(renderer);  // first: the view depends on the panel's shape
     const Panel panel{fmt::format("{},  t = {:.2f} s", methods[m], time),
                       options.folder / surface_file(methods[m], frame)};
-    fill_panel(*renderer, panel, boundary, bounds);
-    window->AddRenderer(renderer);
+    fill_panel(*renderer, panel, boundary, *subject);
   }
   window->Render();
   write_png(*window, options.picture);

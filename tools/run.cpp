@@ -93,7 +93,7 @@ class FrameWriter {
       summary.methods[m].add_frame(method, metrics, since_frame.seconds[m]);
     }
     folder_.finish_frame(time, metrics_rows, timings_rows);
-    summary.add_frame(frame_metrics, shared_seconds);
+    summary.add_frame(frame_metrics, since_frame.tracer_seconds, shared_seconds);
   }
 
  private:
@@ -103,8 +103,9 @@ class FrameWriter {
     metrics.time = time;
     metrics.particles = simulation_.particles().size();
     metrics.penetration_max = penetration_max(simulation_.particles().position, walls_, scene_.fluid.spacing);
-    metrics.density_error_mean = since_frame.density_error_mean;
-    metrics.density_error_max = since_frame.density_error_max;
+    const Compression now = compression(simulation_.fluid().densities(), scene_.fluid.density);
+    metrics.density_error_mean = std::max(now.mean, since_frame.density_error_mean);
+    metrics.density_error_max = std::max(now.max, since_frame.density_error_max);
     measure_isosurface(simulation_.field(), simulation_.field_options().sigma, metrics);
     return metrics;
   }
@@ -158,6 +159,7 @@ int run(const RunOptions& options) {
   const FrameTimes times(scene);
   FrameWriter writer(scene, simulation, folder);
   RunSummary summary;
+  summary.setup_seconds = watch.seconds();
   writer.write(0, 0, simulation.take_since_frame(), summary);
   {
     Progress progress(scene.title, scene.duration, times.count, !options.quiet);

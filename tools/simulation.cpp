@@ -89,7 +89,9 @@ void Simulation::step_surfaces() {
     since_frame_.seconds[m].velocity += step.velocity_seconds;
     since_frame_.seconds[m].fairing += step.fairing_seconds;
   }
+  const Stopwatch watch;
   tracers_.step(motion);
+  since_frame_.tracer_seconds += watch.seconds();
   field_ = motion.at(motion.t1());
   particles_ = std::move(now);
 }

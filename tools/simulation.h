@@ -16,6 +16,7 @@ struct SinceFrame {
   double density_error_mean = 0, density_error_max = 0;  ///< the largest of FluidStep's
   std::vector<double> residual_max;                      ///< the largest of TrackerStep's, one entry a method
   std::vector<PhaseSeconds> seconds;                     ///< one entry a method
+  double tracer_seconds = 0;                             ///< wall time of the material tracers
 };
 
 /// Steps the liquid, and after every `stride` solver steps all trackers. They share one ParticleMotion and

@@ -27,10 +27,11 @@ std::string time_line(const RunSummary& s) {
     tracking += m.seconds.velocity + m.seconds.fairing + m.seconds.remesh;
     output += m.seconds.output - s.shared_output_seconds;
   }
-  const double solver = s.methods.empty() ? 0 : s.methods.front().seconds.solver;
+  const double solver = s.methods.front().seconds.solver;
   return fmt::format(
-      "  {:.1f} s: liquid {:.1f}, surfaces {:.1f}, metrics and files {:.1f}, the rest {:.1f}\n",
-      s.wall_seconds, solver, tracking, output, s.wall_seconds - solver - tracking - output);
+      "  {:.1f} s: set-up {:.1f}, liquid {:.1f}, surfaces {:.1f}, material tracers {:.1f}, metrics and "
+      "files {:.1f}\n",
+      s.wall_seconds, s.setup_seconds, solver, tracking, s.tracer_seconds, output);
 }
 
 std::string method_table(const RunSummary& s) {
@@ -66,12 +67,13 @@ void MethodSummary::add_frame(const std::string& method, const SurfaceMetrics& m
   seconds.output += frame_seconds.output;
 }
 
-void RunSummary::add_frame(const FrameMetrics& metrics, double shared_seconds) {
+void RunSummary::add_frame(const FrameMetrics& metrics, double tracers, double shared_output) {
   last = metrics;
   penetration_max = std::max(penetration_max, metrics.penetration_max);
   density_error_mean = std::max(density_error_mean, metrics.density_error_mean);
   density_error_max = std::max(density_error_max, metrics.density_error_max);
-  shared_output_seconds += shared_seconds;
+  tracer_seconds += tracers;
+  shared_output_seconds += shared_output;
   ++frames;
 }
 

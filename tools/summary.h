@@ -31,10 +31,10 @@ struct RunSummary {
   double penetration_max = 0, density_error_mean = 0, density_error_max = 0;  ///< largest of all frames
   int frames = 0;         ///< finished ones, the first included
   std::size_t steps = 0;  ///< of the solver
-  double shared_output_seconds = 0;
+  double setup_seconds = 0, tracer_seconds = 0, shared_output_seconds = 0;
   double wall_seconds = 0;
 
-  void add_frame(const FrameMetrics& metrics, double shared_seconds);
+  void add_frame(const FrameMetrics& metrics, double tracers, double shared_output);
 };
 
 std::string summary_text(const RunSummary& summary, const Scene& scene, const ParticleFieldOptions& field,

@@ -11,13 +11,18 @@ constexpr std::array<double, 3> kCream{246, 229, 196};
 constexpr std::array<double, 3> kBlue{46, 106, 168};
 constexpr double kBrightnessRange = 0.22;  // of a colour: the darkest cube has 1 - kBrightnessRange of it
 
-// In [0, 1), the same for a cube at every call; the multipliers are large primes (Teschner et al. 2003).
+// Mixes all bits of a 64-bit number (Steele, Lea, Flood 2014: SplitMix64).
+std::uint64_t mixed(std::uint64_t bits) {
+  bits = (bits ^ (bits >> 30)) * 0xbf58476d1ce4e5b9u;
+  bits = (bits ^ (bits >> 27)) * 0x94d049bb133111ebu;
+  return bits ^ (bits >> 31);
+}
+
+// In [0, 1), the same for a cube at every call.
 double cube_hash(const std::array<std::int64_t, 3>& cube) {
   std::uint64_t bits = 0;
-  for (int a = 0; a < 3; ++a)
-    bits ^=
-        static_cast<std::uint64_t>(cube[a]) * std::array<std::uint64_t, 3>{73856093, 19349663, 83492791}[a];
-  bits *= 0x9e3779b97f4a7c15u;  // spreads neighbouring cubes over all bits
+  for (const std::int64_t index : cube)
+    bits = mixed(bits + static_cast<std::uint64_t>(index) + 0x9e3779b97f4a7c15u);
   return static_cast<double>(bits >> 40) / static_cast<double>(std::uint64_t{1} << 24);
 }
 

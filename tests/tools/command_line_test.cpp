@@ -1,0 +1,117 @@
+#include <algorithm>
+
+#include "core/version.h"
+#include "tests/tools/program.h"
+#include "tests/tools/scratch.h"
+
+namespace kappaflow {
+namespace {
+
+const std::string kSmallScene = KAPPAFLOW_SOURCE_DIR "/scenes/staircase-small.toml";
+
+class CommandLine : public Scratch {};
+
+struct Mistake {
+  std::vector<std::string> words;
+  int exit_code;
+  std::string message;  ///< part of the one line on stderr
+};
+
+void expect_one_line(const Mistake& mistake) {
+  std::string shown = "kappaflow";
+  for (const std::string& word : mistake.words) shown += " " + word;
+  const ProgramResult result = run_program(mistake.words);
+  EXPECT_EQ(result.exit_code, mistake.exit_code) << shown;
+  EXPECT_EQ(result.out, "") << shown;
+  EXPECT_EQ(std::ranges::count(result.err, '\n'), 1) << shown << "\n" << result.err;
+  EXPECT_TRUE(result.err.starts_with("kappaflow: error: ")) << result.err;
+  EXPECT_NE(result.err.find(mistake.message), std::string::npos) << shown << "\n" << result.err;
+}
+
+TEST_F(CommandLine, MistakesAreOneLineAndExitCodeTwo) {
+  const std::vector<Mistake> mistakes{
+      {{}, 2, "kappaflow --help"},
+      {{"frobnicate"}, 2, "kappaflow --help"},
+      {{"run"}, 2, "SCENE is required; see kappaflow run --help"},
+      {{"run", kSmallScene, "--threads", "0"},
+       2,
+       "--threads: found \"0\"; expected a whole number from 1 to 1024"},
+      {{"run", kSmallScene, "--threads", "two"}, 2, "found \"two\""},
+      {{"run", kSmallScene, "--threads", "1.5"}, 2, "found \"1.5\""},
+      {{"run", kSmallScene, "--duration", "-1"}, 2, "expected a number of seconds above 0"},
+      {{"run", kSmallScene, "--duration", "nan"}, 2, "expected a number of seconds above 0"},
+      {{"run", kSmallScene, "--track", "total,bogus"}, 2, "found \"bogus\"; expected one of "},
+      {{"run", kSmallScene, "--track", "total,total"}, 2, "\"total\" is named twice"},
+      {{"run", kSmallScene, "--colour"}, 2, "--colour"},
+      {{"run", kSmallScene, "another"}, 2, "another"},
+      {{"check"}, 2, "SCENE is required"},
+      {{"probe", "a.csv", "b.csv"}, 2, "--threshold is required"},
+      {{"probe", "a.csv", "b.csv", "--threshold", "high"}, 2, "found \"high\"; expected a number"},
+      {{"render", "out"}, 2, "--out is required"},
+  };
+  for (const Mistake& mistake : mistakes) expect_one_line(mistake);
+}
+
+TEST_F(CommandLine, WrongFilesAreOneLine) {
+  const auto scene = file("odd.toml", "title = \"x\"\nspacin = 1\n");
+  expect_one_line({{"check", scene.string()}, 2, scene.string() + ":2:1: "});
+  expect_one_line({{"run", scene.string(), "--out", (folder / "r").string()}, 2, scene.string() + ":2:1: "});
+  expect_one_line({{"check", (folder / "none.toml").string()}, 2, "none.toml"});
+  expect_one_line({{"probe", (folder / "none.csv").string(), "b.csv", "--threshold", "1"}, 5, "none.csv"});
+  expect_one_line({{"run", kSmallScene, "--out", "/proc/kappaflow"}, 5, "/proc/kappaflow"});
+  expect_one_line({{"render", folder.string(), "--out", "a.png"}, 5, "run.json: cannot be read"});
+  EXPECT_FALSE(std::filesystem::exists(folder / "r"));
+}
+
+TEST_F(CommandLine, RefusesAUsedFolder) {
+  file("run.json", "{}");
+  expect_one_line(
+      {{"run", kSmallScene, "--out", folder.string()}, 2, "already holds a run; --force replaces it"});
+}
+
+TEST_F(CommandLine, EveryHelpHasAnExampleAndTheExitCodes) {
+  for (const std::string command : {"run", "check", "probe", "render"}) {
+    const ProgramResult result = run_program({command, "--help"});
+    EXPECT_EQ(result.exit_code, 0);
+    EXPECT_EQ(result.err, "");
+    EXPECT_NE(result.out.find("Example:\n"), std::string::npos) << command;
+    EXPECT_NE(result.out.find("Exit codes:\n"), std::string::npos) << command;
+  }
+  const std::string help = run_program({"--help"}).out;
+  for (const std::string command : {"run", "check", "probe", "render", "Exit codes:"})
+    EXPECT_NE(help.find(command), std::string::npos);
+  EXPECT_NE(run_program({"run", "--help"}).out.find("curvature-only"), std::string::npos)
+      << "lists the methods";
+}
+
+TEST_F(CommandLine, VersionNamesTheBuild) {
+  const ProgramResult result = run_program({"--version"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_TRUE(result.out.starts_with(std::string("kappaflow ") + kVersion + "\ncompiler ")) << result.out;
+  EXPECT_NE(result.out.find("VTK 9."), std::string::npos);
+  EXPECT_NE(result.out.find("Eigen 3."), std::string::npos);
+}
+
+TEST_F(CommandLine, CheckSaysWhatTheSceneCosts) {
+  const ProgramResult result = run_program({"check", kSmallScene, "--threads", "1"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(result.err, "");
+  for (const char* part :
+       {"particles 1000\n", "boundary particles ", " on 1 thread\n", "stairs, 5 steps", "methods "})
+    EXPECT_NE(result.out.find(part), std::string::npos) << part << "\n" << result.out;
+}
+
+TEST_F(CommandLine, ProbePrintsATable) {
+  const auto particles = file("particles.csv", "x,y,z,vx,vy,vz,weight,sigma\n0,0,0,1,0,0,1,1\n");
+  const auto points = file("points.csv", "x,y,z\n0.5,0,0\n");
+  const ProgramResult result = run_program(
+      {"probe", particles.string(), points.string(), "--threshold", "0.25", "--methods", "total,material"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_TRUE(result.out.starts_with("x,y,z,f,f_x,")) << result.out;
+  EXPECT_NE(result.out.find(",v_total_x,v_total_y,v_total_z,confidence_total,v_material_x,"),
+            std::string::npos);
+  EXPECT_NE(result.out.find("\n0.5,0,0,0.171875,"), std::string::npos) << "0.75^3 - 0.25";
+}
+
+}  // namespace
+}  // namespace kappaflow

@@ -1,0 +1,79 @@
+#include "tools/files.h"
+
+#include <sys/resource.h>
+
+#include <csignal>
+
+#include "core/errors.h"
+#include "tests/tools/scratch.h"
+
+namespace kappaflow {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Files : public Scratch {};
+
+/// While it lives, no file may grow beyond `bytes`: writing fails as it does on a full disk.
+class FullDisk {
+ public:
+  explicit FullDisk(rlim_t bytes) {
+    getrlimit(RLIMIT_FSIZE, &previous_);
+    rlimit limit = previous_;
+    limit.rlim_cur = bytes;
+    setrlimit(RLIMIT_FSIZE, &limit);
+    previous_handler_ = std::signal(SIGXFSZ, SIG_IGN);
+  }
+  ~FullDisk() {
+    setrlimit(RLIMIT_FSIZE, &previous_);
+    std::signal(SIGXFSZ, previous_handler_);
+  }
+  FullDisk(const FullDisk&) = delete;
+  FullDisk& operator=(const FullDisk&) = delete;
+
+ private:
+  rlimit previous_;
+  void (*previous_handler_)(int);
+};
+
+TEST_F(Files, WriteReplacesAndLeavesNothingElse) {
+  write_file(folder / "a", "first, and longer");
+  write_file(folder / "a", std::string_view("second\0\n", 8));
+  EXPECT_EQ(read_file(folder / "a"), std::string("second\0\n", 8));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 1);
+}
+
+TEST_F(Files, FailedWriteKeepsTheOldFile) {
+  write_file(folder / "a", "old");
+  const std::string large(100000, 'x');
+  std::string message;
+  {
+    const FullDisk full(4096);
+    message = message_of<IoError>([&] { write_file(folder / "a", large); });
+  }
+  EXPECT_NE(message.find((folder / "a").string() + ": cannot be written ("), std::string::npos) << message;
+  EXPECT_EQ(read_file(folder / "a"), "old");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 1) << "the temporary file is gone";
+}
+
+TEST_F(Files, FailedAppendLeavesWholeLines) {
+  write_file(folder / "a", "line 1\n");
+  append_lines(folder / "a", "line 2\n");
+  {
+    const FullDisk full(4096);
+    EXPECT_THROW(append_lines(folder / "a", std::string(100000, 'x') + "\n"), IoError);
+  }
+  EXPECT_EQ(read_file(folder / "a"), "line 1\nline 2\n");
+}
+
+TEST_F(Files, MissingPlacesAreReported) {
+  EXPECT_THROW(write_file(folder / "none" / "a", ""), IoError);
+  EXPECT_THROW(append_lines(folder / "none", "a\n"), IoError);
+  EXPECT_THROW(read_file(folder / "none"), IoError);
+  EXPECT_THROW(read_file(folder), IoError);
+  file("a", "");
+  EXPECT_THROW(make_folder(folder / "a" / "b"), IoError);
+}
+
+}  // namespace
+}  // namespace kappaflow

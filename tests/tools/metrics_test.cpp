@@ -1,0 +1,111 @@
+#include "tools/metrics.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "scenes/scene.h"
+#include "surface/field/particle_motion.h"
+#include "surface/tracker/initial_mesh.h"
+#include "tests/tools/scratch.h"
+#include "tools/timings.h"
+
+namespace kappaflow {
+namespace {
+
+constexpr double kThreshold = 0.125;  // of one particle: (1 - r^2)^3 = 1/8 at r^2 = 1/2
+
+// One particle of sigma 1 at the origin that moves along x: its surface is a sphere.
+std::shared_ptr<const ParticleField> one_particle() {
+  const Particles particles{0, {0}, {Vec3::Zero()}, {Vec3(2, 0, 0)}};
+  return particle_field(particles, {1, WeightRule::uniform, kThreshold});
+}
+const double kRadius = std::sqrt(0.5);
+const double kVolume = 4.0 / 3.0 * std::numbers::pi * std::pow(kRadius, 3);
+
+TEST(Metrics, SphereOfOneParticle) {
+  const auto field = one_particle();
+  const TriangleMesh mesh = initial_mesh(*field, 0.1, {});
+  const VertexRings rings = vertex_rings(mesh.vertex_count(), mesh.triangles);
+  const SurfaceState state = surface_state(*field, mesh, rings, velocity_method("normal"), {});
+  const SurfaceMetrics metrics = surface_metrics(*field, mesh, rings, state, Vec3(0, 0, 1));
+  EXPECT_EQ(metrics.vertices, mesh.vertex_count());
+  EXPECT_EQ(metrics.triangles, mesh.triangles.size());
+  EXPECT_EQ(metrics.topology.components, 1);
+  EXPECT_EQ(metrics.topology.genus, 0);
+  EXPECT_EQ(metrics.unprojected, 0u);
+  EXPECT_LE(metrics.residual_max, ProjectionOptions().tolerance);
+  EXPECT_NEAR(metrics.size.volume, kVolume, 0.02 * kVolume);  // chords: O((edge/R)^2)
+  // The normal velocity alone lacks the whole tangential motion, and turns nothing.
+  ASSERT_TRUE(metrics.slip.has_value());
+  EXPECT_NEAR(*metrics.slip, 1, 1e-6);
+  EXPECT_FALSE(metrics.rotation_captured.has_value()) << "a translation has no rotation to capture";
+}
+
+TEST(Metrics, ResidualIsTheDistanceInSigma) {
+  const auto field = one_particle();
+  TriangleMesh mesh = initial_mesh(*field, 0.2, {});
+  mesh.position[3] *= 1 + 1e-3;
+  EXPECT_NEAR(surface_residual(*field, mesh), 1e-3 * kRadius, 1e-3 * 1e-3 + 1e-4);
+  mesh.unprojected[3] = 1;
+  EXPECT_LE(surface_residual(*field, mesh), ProjectionOptions().tolerance) << "flagged vertices do not count";
+}
+
+TEST(Metrics, FreshIsosurface) {
+  FrameMetrics metrics;
+  measure_isosurface(*one_particle(), 1, metrics);
+  EXPECT_NEAR(metrics.isosurface_volume, kVolume, 0.06 * kVolume);  // at 0.25 sigma
+  EXPECT_EQ(metrics.isosurface.components, 1);
+  EXPECT_EQ(metrics.isosurface.genus, 0);
+}
+
+TEST(Metrics, PenetrationIsTheDeepestCentreInSpacings) {
+  Scene scene;
+  scene.walls.emplace_back().shape = BoxShape{{0, 0, 0}, {1, 1, 1}};
+  const WallDistance walls(wall_surfaces(scene));
+  const std::vector<Vec3> outside{{2, 0, 0}, {0.5, 1.001, 0.5}},
+      inside{{0.5, 0.98, 0.5}, {0.5, 0.99, 0.5}, {2, 2, 2}};
+  EXPECT_EQ(penetration_max(outside, walls, 0.1), 0);
+  EXPECT_NEAR(penetration_max(inside, walls, 0.1), 0.2, 1e-12);
+  EXPECT_EQ(penetration_max(inside, WallDistance({}), 0.1), 0) << "no walls";
+}
+
+TEST(Metrics, CompressionIgnoresExpansion) {
+  const std::vector<float> density{1000, 1010, 900, 1030};
+  const Compression c = compression(density, 1000);
+  EXPECT_NEAR(c.mean, 0.01, 1e-7);
+  EXPECT_NEAR(c.max, 0.03, 1e-7);
+}
+
+TEST(MetricsTable, HasTheDocumentedColumns) {
+  EXPECT_EQ(
+      metrics_header(),
+      "frame,time,method,particles,penetration_max,density_error_mean,density_error_max,vertices,triangles,"
+      "residual_max,quality_min,quality_mean,area,volume,isosurface_volume,slip,rotation_captured,"
+      "tracer_distance,components,genus,isosurface_components,isosurface_genus,kept_fraction,unprojected\n");
+}
+
+TEST(MetricsTable, RowMatchesTheHeader) {
+  FrameMetrics frame{7, 0.28, 1000, 0.25, 1.0 / 3.0, 0.02, 0.75, {2, 3}};
+  SurfaceMetrics surface;
+  surface.vertices = 12;
+  surface.triangles = 20;
+  surface.residual_max = 1e-5;
+  surface.quality = {0.5, 0.9};
+  surface.size = {3.5, 0.625};
+  surface.rotation_captured = 0.875;
+  surface.topology = {1, 4};
+  surface.unprojected = 5;
+  EXPECT_EQ(
+      metrics_row(frame, "total", surface),
+      "7,0.28,total,1000,0.25,0.333333333333,0.02,12,20,1e-05,0.5,0.9,3.5,0.625,0.75,,0.875,,1,4,2,3,1,5\n");
+  EXPECT_EQ(split(metrics_row(frame, "total", surface), ',').size(), split(metrics_header(), ',').size());
+}
+
+TEST(TimingsTable, IsInMilliseconds) {
+  EXPECT_EQ(timings_header(), "frame,time,method,solver_ms,velocity_ms,fairing_ms,remesh_ms,output_ms\n");
+  EXPECT_EQ(timings_row(2, 0.08, "total", {1.5, 0.25, 0.125, 0, 0.001}), "2,0.08,total,1500,250,125,0,1\n");
+}
+
+}  // namespace
+}  // namespace kappaflow

@@ -1,0 +1,98 @@
+#include "tools/run_folder.h"
+
+#include <vtkPoints.h>
+#include <vtkSmartPointer.h>
+
+#include "core/errors.h"
+#include "tests/tools/scratch.h"
+#include "tools/files.h"
+#include "tools/metrics.h"
+#include "tools/timings.h"
+
+namespace kappaflow {
+namespace {
+
+namespace fs = std::filesystem;
+
+class RunFolderFiles : public Scratch {
+ protected:
+  vtkSmartPointer<vtkPolyData> point() const {
+    auto points = vtkSmartPointer<vtkPoints>::New();
+    points->InsertNextPoint(1, 2, 3);
+    auto data = vtkSmartPointer<vtkPolyData>::New();
+    data->SetPoints(points);
+    return data;
+  }
+
+  void write_frame(RunFolder& run, int frame) {
+    run.write_particles(frame, *point());
+    for (const std::string method : {"total", "curvature"}) run.write_surface(frame, method, *point());
+    run.finish_frame(0.1 * frame, "m\n", "t\n");
+  }
+};
+
+TEST_F(RunFolderFiles, HasItsLayoutAfterEveryFrame) {
+  const fs::path path = folder / "deep" / "run";
+  RunFolder run(path, {"total", "curvature"}, false);
+  run.write_record("{}");
+  run.write_boundary(*point());
+  write_frame(run, 0);
+  write_frame(run, 1);
+  for (const char* name : {"run.json", "boundary.vtp", "particles/particles_0001.vtp",
+                           "surface-total/surface_0000.vtp", "surface-curvature/surface_0001.vtp"})
+    EXPECT_TRUE(fs::is_regular_file(path / name)) << name;
+  EXPECT_EQ(bytes_of(path / "metrics.csv"), metrics_header() + "m\nm\n");
+  EXPECT_EQ(bytes_of(path / "timings.csv"), timings_header() + "t\nt\n");
+  for (const auto& entry : fs::recursive_directory_iterator(path))
+    EXPECT_NE(entry.path().extension(), ".tmp");
+}
+
+TEST_F(RunFolderFiles, CollectionsNameFilesThatExist) {
+  RunFolder run(folder / "run", {"total", "curvature"}, false);
+  run.write_boundary(*point());
+  write_frame(run, 0);
+  write_frame(run, 1);
+  const std::vector<std::pair<const char*, int>> entries{
+      {"run.pvd", 8}, {"particles.pvd", 2}, {"surface-total.pvd", 2}, {"surface-curvature.pvd", 2}};
+  for (const auto& [name, count] : entries) {
+    int found = 0;
+    for (const std::string& part : split(bytes_of(folder / "run" / name), '"'))
+      if (part.ends_with(".vtp")) {
+        ++found;
+        EXPECT_TRUE(fs::exists(folder / "run" / part)) << part;
+      }
+    EXPECT_EQ(found, count) << name;
+  }
+}
+
+TEST_F(RunFolderFiles, RefusesAUsedFolderUnlessForced) {
+  {
+    RunFolder run(folder, {"total", "curvature"}, false);
+    run.write_record("{}");
+    write_frame(run, 0);
+    write_frame(run, 1);
+  }
+  file("notes.txt", "mine");
+  file("surface-total/mine.txt", "mine");
+  EXPECT_EQ(message_of<InvalidInput>([&] { RunFolder(folder, {"total"}, false); }),
+            folder.string() + " already holds a run; --force replaces it, --out DIR writes elsewhere");
+  EXPECT_TRUE(fs::exists(folder / "run.json"));
+
+  RunFolder again(folder, {"total"}, true);
+  EXPECT_FALSE(fs::exists(folder / "run.json"));
+  EXPECT_FALSE(fs::exists(folder / "run.pvd"));
+  EXPECT_FALSE(fs::exists(folder / "surface-curvature"));
+  EXPECT_TRUE(fs::is_empty(folder / "particles"));
+  EXPECT_EQ(bytes_of(folder / "metrics.csv"), metrics_header());
+  EXPECT_EQ(bytes_of(folder / "notes.txt"), "mine") << "only the run's own files go";
+  EXPECT_EQ(bytes_of(folder / "surface-total/mine.txt"), "mine");
+}
+
+TEST_F(RunFolderFiles, UnwritablePlaceIsAnIoError) {
+  file("occupied", "a file");
+  EXPECT_THROW(RunFolder(folder / "occupied", {}, false), IoError);
+  EXPECT_THROW(RunFolder("/proc/kappaflow", {}, false), IoError);
+}
+
+}  // namespace
+}  // namespace kappaflow

@@ -1,0 +1,162 @@
+// Runs of the small staircase from end to end.
+#include <vtkDataArray.h>
+#include <vtkPointData.h>
+#include <vtk_jsoncpp.h>
+
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "tests/tools/program.h"
+#include "tests/tools/scratch.h"
+#include "tools/data_files.h"
+#include "tools/metrics.h"
+#include "tools/run_record.h"
+#include "tools/timings.h"
+
+namespace kappaflow {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kSmallScene = KAPPAFLOW_SOURCE_DIR "/scenes/staircase-small.toml";
+const std::vector<std::string> kMethods{"total", "curvature"};
+constexpr int kFrames = 4;  // after the start, in 0.15 s at 25 a second: the last one is no multiple
+
+class Run : public Scratch {
+ protected:
+  ProgramResult run_small(const std::string& name, const std::string& threads) const {
+    return run_program({"run", kSmallScene, "--out", (folder / name).string(), "--threads", threads,
+                        "--duration", "0.15", "--track", "total,curvature"});
+  }
+};
+
+std::vector<std::map<std::string, std::string>> read_table(const fs::path& path) {
+  const std::vector<std::string> lines = split(bytes_of(path), '\n'), names = split(lines.at(0), ',');
+  std::vector<std::map<std::string, std::string>> rows;
+  for (std::size_t l = 1; l < lines.size(); ++l) {
+    const std::vector<std::string> cells = split(lines[l], ',');
+    EXPECT_EQ(cells.size(), names.size()) << lines[l];
+    auto& row = rows.emplace_back();
+    for (std::size_t c = 0; c < names.size(); ++c) row[names[c]] = cells.at(c);
+  }
+  return rows;
+}
+
+void expect_finite(vtkPolyData& data) {
+  for (int a = 0; a < data.GetPointData()->GetNumberOfArrays(); ++a) {
+    vtkDataArray& array = *data.GetPointData()->GetArray(a);
+    EXPECT_EQ(array.GetNumberOfTuples(), data.GetNumberOfPoints()) << array.GetName();
+    for (int c = 0; c < array.GetNumberOfComponents(); ++c) {
+      double range[2];
+      array.GetRange(range, c);
+      EXPECT_TRUE(std::isfinite(range[0]) && std::isfinite(range[1])) << array.GetName();
+    }
+  }
+}
+
+void expect_files(const fs::path& run) {
+  for (int frame = 0; frame <= kFrames; ++frame) {
+    const std::string number = "000" + std::to_string(frame) + ".vtp";
+    const auto particles = read_vtp(run / "particles" / ("particles_" + number));
+    EXPECT_EQ(particles->GetNumberOfPoints(), 1000);
+    expect_finite(*particles);
+    for (const std::string& method : kMethods) {
+      const auto surface = read_vtp(run / ("surface-" + method) / ("surface_" + number));
+      EXPECT_GT(surface->GetNumberOfPolys(), 500);
+      expect_finite(*surface);
+    }
+  }
+  EXPECT_GT(read_vtp(run / "boundary.vtp")->GetNumberOfPolys(), 10);
+  for (const char* name : {"run.pvd", "particles.pvd", "surface-total.pvd", "surface-curvature.pvd"})
+    EXPECT_NE(bytes_of(run / name).find("timestep=\"0.15\""), std::string::npos) << name;
+}
+
+void expect_metrics(const fs::path& run) {
+  const auto rows = read_table(run / "metrics.csv");
+  ASSERT_EQ(rows.size(), (kFrames + 1) * kMethods.size());
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const auto number = [&](const char* column) { return std::stod(rows[r].at(column)); };
+    EXPECT_EQ(rows[r].at("frame"), std::to_string(r / 2));
+    EXPECT_EQ(rows[r].at("method"), kMethods[r % 2]);
+    for (const auto& [column, cell] : rows[r])
+      EXPECT_TRUE(column == "method" || cell.empty() || std::isfinite(std::stod(cell))) << column;
+    EXPECT_LT(number("penetration_max"), 0.5);
+    EXPECT_LT(number("density_error_mean"), 1e-3);
+    EXPECT_LT(number("density_error_max"), 0.05);
+    EXPECT_LT(number("residual_max"), 0.01);
+    EXPECT_GT(number("quality_min"), 0.1);
+    EXPECT_NEAR(number("volume"), number("isosurface_volume"), 0.03 * number("isosurface_volume"));
+    EXPECT_EQ(rows[r].at("components"), "1");
+    EXPECT_EQ(rows[r].at("genus"), "0");
+    EXPECT_EQ(rows[r].at("unprojected"), "0");
+    EXPECT_EQ(rows[r].at("kept_fraction"), "1");
+  }
+  // The same material moves under both methods; the paper's method follows it better.
+  const auto& total = rows[rows.size() - 2];
+  const auto& curvature = rows[rows.size() - 1];
+  EXPECT_LT(std::stod(curvature.at("slip")), std::stod(total.at("slip")));
+  EXPECT_LT(std::stod(curvature.at("tracer_distance")), std::stod(total.at("tracer_distance")));
+}
+
+void expect_record(const fs::path& run) {
+  Json::Value record;
+  ASSERT_TRUE(Json::Reader().parse(bytes_of(run / "run.json"), record));
+  EXPECT_EQ(record["scene"]["text"].asString(), bytes_of(kSmallScene));
+  EXPECT_EQ(record["scene"]["hash"].asString(), text_hash(bytes_of(kSmallScene)));
+  EXPECT_EQ(record["threads"].asInt(), 1);
+  EXPECT_EQ(record["particles"].asInt(), 1000);
+  EXPECT_EQ(record["command"][1].asString(), "run");
+  EXPECT_EQ(record["options"]["duration"].asDouble(), 0.15);
+  EXPECT_EQ(record["methods"].size(), 2u);
+  EXPECT_GT(record["threshold"].asDouble(), 1);
+  EXPECT_NEAR(record["sigma"].asDouble(), 0.16, 1e-12);
+  EXPECT_TRUE(record["version"].isString());
+}
+
+TEST_F(Run, WritesEverythingAndStaysWithinItsLimits) {
+  const ProgramResult result = run_small("one", "1");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.err, "") << "stderr is no terminal: no progress bar";
+  EXPECT_NE(result.out.find("paraview " + (folder / "one" / "run.pvd").string()), std::string::npos)
+      << result.out;
+  expect_files(folder / "one");
+  expect_metrics(folder / "one");
+  expect_record(folder / "one");
+  EXPECT_EQ(read_table(folder / "one" / "timings.csv").size(), 2u * (kFrames + 1));
+
+  // Same bits whatever the number of threads, in every file but the two that hold times.
+  ASSERT_EQ(run_small("two", "2").exit_code, 0);
+  int compared = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(folder / "one")) {
+    const fs::path name = fs::relative(entry.path(), folder / "one");
+    if (entry.is_directory() || name == "run.json" || name == "timings.csv") continue;
+    EXPECT_EQ(bytes_of(entry.path()), bytes_of(folder / "two" / name)) << name;
+    ++compared;
+  }
+  EXPECT_EQ(compared, 1 + 1 + 4 + 3 * (kFrames + 1));
+}
+
+TEST_F(Run, QuietPrintsNothing) {
+  const ProgramResult result = run_program({"run", kSmallScene, "--out", (folder / "r").string(),
+                                            "--duration", "0.01", "--track", "normal", "--quiet"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(result.out + result.err, "");
+}
+
+TEST_F(Run, InterruptLeavesWholeFrames) {
+  const ProgramResult result =
+      run_program({"run", kSmallScene, "--out", folder.string(), "--duration", "60", "--track", "total"}, {},
+                  folder / "surface-total" / "surface_0001.vtp");
+  EXPECT_EQ(result.exit_code, 130);
+  EXPECT_TRUE(result.err.starts_with("kappaflow: interrupted at t = ")) << result.err;
+  const auto rows = read_table(folder / "metrics.csv");
+  ASSERT_GE(rows.size(), 2u);
+  for (std::size_t frame = 0; frame < rows.size(); ++frame)
+    expect_finite(*read_vtp(folder / "surface-total" / ("surface_000" + std::to_string(frame) + ".vtp")));
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    EXPECT_NE(entry.path().extension(), ".tmp");
+}
+
+}  // namespace
+}  // namespace kappaflow
