@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <ostream>
 
 #include "surface/tracker/initial_mesh.h"
 #include "surface/tracker/surface_tracker.h"
@@ -86,6 +87,10 @@ struct Reference {
   const char* method;
   double error;
 };
+
+std::ostream& operator<<(std::ostream& out, const Reference& reference) {
+  return out << reference.method << ", radius " << reference.radius;
+}
 
 class ThreeParticles : public ::testing::TestWithParam<Reference> {};
 
