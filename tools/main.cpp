@@ -4,10 +4,12 @@
 #include <tbb/task_arena.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
-#include <fstream>
+#include <functional>
 
 #include "core/errors.h"
 #include "core/version.h"
@@ -101,7 +103,11 @@ void add_threads(CLI::App& command, CommandLine& line) {
 
 void add_methods(CLI::App& command, const std::string& name, std::vector<std::string>& methods,
                  const std::string& text) {
-  command.add_option(name, methods, text)->delimiter(',')->type_name("NAME,...")->check(known_method());
+  command.add_option(name, methods, text)
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->type_name("NAMES")
+      ->check(known_method());
 }
 
 CLI::App* add_run(CLI::App& app, CommandLine& line) {

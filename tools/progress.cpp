@@ -1,6 +1,7 @@
 #include "tools/progress.h"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -10,8 +11,15 @@ namespace kappaflow {
 namespace {
 
 constexpr double kRedrawSeconds = 0.2;
-constexpr int kBarWidth = 20;
+constexpr int kBarWidth = 12;
 constexpr const char* kWipeLine = "\r\033[K";
+
+// A longer line would wrap, and wiping it would leave its first part behind.
+std::size_t terminal_width() {
+  winsize size{};
+  const bool known = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+  return known ? size.ws_col : 80;
+}
 
 std::string clock_time(double seconds) {
   const long whole = std::lround(std::min(seconds, 359999.0));
@@ -21,22 +29,19 @@ std::string clock_time(double seconds) {
 
 }  // namespace
 
-std::string progress_line(const std::string& title, double time, double duration, int frame, int frames,
-                          std::size_t steps, double elapsed, const FluidStep& step) {
+std::string progress_line(double time, double duration, int frame, int frames, std::size_t steps,
+                          double elapsed, const FluidStep& step) {
   const double done = std::clamp(time / duration, 0.0, 1.0);
   const auto filled = static_cast<std::size_t>(std::lround(done * kBarWidth));
   const std::string bar = std::string(filled, '#') + std::string(kBarWidth - filled, '-');
   const std::string left = done > 0 ? clock_time(elapsed * (1 - done) / done) : "?";
-  return fmt::format("{} [{}] t = {:.3f} s  frame {}/{}  {:.1f} steps/s  pressure {}  viscosity {}  {} left",
-                     title, bar, time, frame, frames, static_cast<double>(steps) / std::max(elapsed, 1e-9),
+  return fmt::format("[{}] {:.3f} s  frame {}/{}  {:.1f} steps/s  pressure {}, viscosity {}  {} left", bar,
+                     time, frame, frames, static_cast<double>(steps) / std::max(elapsed, 1e-9),
                      step.density_iterations + step.divergence_iterations, step.viscosity_iterations, left);
 }
 
-Progress::Progress(std::string title, double duration, int frames, bool enabled)
-    : title_(std::move(title)),
-      duration_(duration),
-      frames_(frames),
-      enabled_(enabled && isatty(STDERR_FILENO) == 1) {}
+Progress::Progress(double duration, int frames, bool enabled)
+    : duration_(duration), frames_(frames), enabled_(enabled && isatty(STDERR_FILENO) == 1) {}
 
 Progress::~Progress() {
   if (enabled_) fmt::print(stderr, "{}", kWipeLine);
@@ -47,8 +52,8 @@ void Progress::show(double time, int frame, const FluidStep& step) {
   const double now = watch_.seconds();
   if (!enabled_ || (last_drawn_ >= 0 && now - last_drawn_ < kRedrawSeconds)) return;
   last_drawn_ = now;
-  fmt::print(stderr, "{}{}", kWipeLine,
-             progress_line(title_, time, duration_, frame, frames_, steps_, now, step));
+  const std::string line = progress_line(time, duration_, frame, frames_, steps_, now, step);
+  fmt::print(stderr, "{}{}", kWipeLine, line.substr(0, terminal_width()));
   std::fflush(stderr);
 }
 

@@ -13,7 +13,7 @@ namespace kappaflow {
 class Progress {
  public:
   /// duration [s] of simulated time; frames: number of the last one.
-  Progress(std::string title, double duration, int frames, bool enabled);
+  Progress(double duration, int frames, bool enabled);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -22,7 +22,6 @@ class Progress {
   void show(double time, int frame, const FluidStep& step);
 
  private:
-  std::string title_;
   double duration_;
   int frames_;
   bool enabled_;
@@ -32,7 +31,7 @@ class Progress {
 };
 
 /// The line itself. elapsed: wall time so far [s].
-std::string progress_line(const std::string& title, double time, double duration, int frame, int frames,
-                          std::size_t steps, double elapsed, const FluidStep& step);
+std::string progress_line(double time, double duration, int frame, int frames, std::size_t steps,
+                          double elapsed, const FluidStep& step);
 
 }  // namespace kappaflow

@@ -162,7 +162,7 @@ int run(const RunOptions& options) {
   summary.setup_seconds = watch.seconds();
   writer.write(0, 0, simulation.take_since_frame(), summary);
   {
-    Progress progress(scene.title, scene.duration, times.count, !options.quiet);
+    Progress progress(scene.duration, times.count, !options.quiet);
     for (int frame = 1; frame <= times.count; ++frame) {
       const bool arrived = simulation.advance(times[frame], [&](const FluidStep& step) {
         progress.show(simulation.fluid().time(), frame, step);
