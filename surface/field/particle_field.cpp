@@ -269,7 +269,9 @@ ValueAndGradient ParticleField::value_and_gradient(const Vec3& x) const {
 }
 
 std::optional<Vec3> ParticleField::material_velocity(const Vec3& x) const {
-  constexpr double kRidge = 0.06;
+  // Small against the kernel's second moment of about 0.09: an affine flow is followed to a percent, and a
+  // sheet of particles, whose gradient is undetermined, still gives a regular matrix.
+  constexpr double kRidge = 0.001;
   using Vec4 = Eigen::Vector4d;
   Eigen::Matrix4d moment = Eigen::Matrix4d::Zero();
   Eigen::Matrix<double, 4, 3> rhs = Eigen::Matrix<double, 4, 3>::Zero();

@@ -39,7 +39,7 @@ class ParticleField final : public Field {
   double length_scale() const override { return smallest_sigma_; }  ///< 0 without particles
   double fastest_speed() const override { return fastest_speed_; }
   /// Affine moving least squares of the particles' velocities, kernel (1 - r^2)^3, basis (1, (x_i -
-  /// x)/sigma), with a ridge of 0.06 times the sum of the kernel on the three gradient terms. nullopt where
+  /// x)/sigma), with a ridge of 0.001 times the sum of the kernel on the three gradient terms. nullopt where
   /// nothing is in reach.
   std::optional<Vec3> material_velocity(const Vec3& x) const override;
   void sample(SampledField& samples) const override;

@@ -1,6 +1,6 @@
 #include "tests/surface/reference_data.h"
 
-#include <json/json.h>
+#include <vtk_jsoncpp.h>
 
 #include <fstream>
 #include <stdexcept>

@@ -72,15 +72,14 @@ TEST(BodyOf175, ErrorsOfEveryMethodAreThoseOfAnIndependentPrototype) {
   }
 }
 
-// The ridge leaves a share of the velocity gradient out: about a tenth of the motion at a surface, where the
-// particles in reach lie to one side.
+// The ridge leaves a share of the velocity gradient out: about a hundredth of the motion at a surface, where
+// the particles in reach lie to one side. An independent prototype has 0.012, 0.010 and 0.013.
 TEST(BodyOf175, MaterialVelocityFollowsEveryMotion) {
   const testing::Body body = testing::read_body175();
   EXPECT_LT(relative_error(body, kTranslation, "material", {}), 1e-12);
-  EXPECT_NEAR(relative_error(body, kRotation, "material", {}), 0.114,
-              0.01);  // summed particle by particle: 0.1142
-  EXPECT_LT(relative_error(body, kShear, "material", {}), 0.13);
-  EXPECT_LT(relative_error(body, kStretch, "material", {}), 0.13);
+  EXPECT_LT(relative_error(body, kRotation, "material", {}), 0.015);
+  EXPECT_LT(relative_error(body, kShear, "material", {}), 0.015);
+  EXPECT_LT(relative_error(body, kStretch, "material", {}), 0.015);
 }
 
 // Curvature knows nothing of the caps that one particle alone makes, of which the body of seven has many.

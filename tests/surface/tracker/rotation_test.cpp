@@ -1,5 +1,5 @@
-// The rotation experiments of Fujisawa, Mandachi, Miura 2011, in one unit sphere of influence (sigma = 1,
-// weight 1, threshold 0.3), against the figures of an independent implementation. Errors in units of sigma.
+// The rotation experiments of Fujisawa, Mandachi, Miura 2011 with sigma = 1, weight 1 and threshold 0.3,
+// against the figures of an independent implementation. Errors in units of sigma.
 #include <gtest/gtest.h>
 
 #include <cmath>

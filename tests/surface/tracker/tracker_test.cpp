@@ -107,7 +107,7 @@ TEST(Tracker, SameBitsForAnyNumberOfThreads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     auto first = testing::turning_particles(0, 0.02, three_on_a_circle(0.5), 1, 0.3);
     auto second = testing::turning_particles(0.02, 0.04, three_on_a_circle(0.5), 1, 0.3);
-    SurfaceTracker tracker(initial_mesh(*first.at(0), 0.06, {}),
+    SurfaceTracker tracker(initial_mesh(*first.at(0), 0.12, {}),
                            {.velocity = {.damping = 1e-3, .speed_limit = 4}});
     tracker.step(first);
     tracker.step(second);
