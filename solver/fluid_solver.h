@@ -24,7 +24,7 @@ struct FluidOptions {
   double min_time_step = 1e-6;  ///< [s]; a flow that needs less is a SolverFailure
   double max_time_step = 5e-3;  ///< [s]
 
-  double density_tolerance = 5e-4;     ///< mean compression at which the pressure solver stops [1]
+  double density_tolerance = 1e-4;     ///< mean compression at which the pressure solver stops [1]
   double divergence_tolerance = 1e-3;  ///< mean rate of compression times the time step, likewise [1]
   int max_pressure_iterations = 100;
   double viscosity_tolerance = 1e-3;  ///< relative residual at which the viscosity solver stops [1]

@@ -1,0 +1,146 @@
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <nanoflann.hpp>
+#include <random>
+#include <set>
+
+#include "tests/solver/liquid.h"
+#include "tests/solver/shapes.h"
+
+namespace kappaflow {
+namespace {
+
+using test::Liquid;
+
+constexpr float kSpacing = 0.1f;
+
+std::vector<Vec3> at_rest(std::size_t n) {
+  return std::vector<Vec3>(n, Vec3::Zero());
+}
+
+std::vector<Vec3> random_points(std::size_t n, double extent, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> uniform(0, extent);
+  std::vector<Vec3> points(n);
+  for (Vec3& p : points) p = Vec3(uniform(random), uniform(random), uniform(random));
+  return points;
+}
+
+std::set<std::uint32_t> neighbours_of(const Liquid& liquid, std::size_t i) {
+  const auto first = liquid.lists.index.begin();
+  return {first + static_cast<std::ptrdiff_t>(liquid.lists.begin[i]),
+          first + static_cast<std::ptrdiff_t>(liquid.lists.begin[i + 1])};
+}
+
+void expect_as_brute_force(const Liquid& liquid) {
+  const auto& x = liquid.particles.position;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const auto found = neighbours_of(liquid, i);
+    ASSERT_EQ(found.size(), liquid.lists.begin[i + 1] - liquid.lists.begin[i]) << "an index occurs twice";
+    for (std::uint32_t j = 0; j < x.size(); ++j) {
+      const double distance = (x[i] - x[j]).cast<double>().norm(),
+                   support = 2 * static_cast<double>(kSpacing);
+      if (std::abs(distance - support) < 1e-6) continue;  // either is right
+      ASSERT_EQ(found.contains(j), j != i && distance < support) << i << " " << j;
+    }
+  }
+}
+
+TEST(Neighbours, AgreeWithBruteForce) {
+  const auto points = random_points(700, 0.9, 1);
+  expect_as_brute_force(Liquid(points, at_rest(points.size()), kSpacing));
+}
+
+TEST(Neighbours, AgreeWithBruteForceOnDegenerateInput) {
+  for (const std::vector<Vec3>& points :
+       {std::vector<Vec3>{Vec3(1, 2, 3)}, std::vector<Vec3>(100, Vec3(0.3, -0.2, 0.1)),  // all in one place
+        std::vector<Vec3>{Vec3(0, 0, 0), Vec3(0.1, 0, 0), Vec3(1e5, 0, -1e5)},           // one far off
+        test::block({0, 0, 0}, {0.5, 0.5, 0.1}, 0.1),  // a sheet on cell borders
+        test::block({-0.05, -0.05, -0.05}, {0.55, 0.55, 0.55}, 0.1)})
+    expect_as_brute_force(Liquid(points, at_rest(points.size()), kSpacing));
+}
+
+struct Cloud {
+  std::span<const Vec4f> points;
+  std::size_t kdtree_get_point_count() const { return points.size(); }
+  float kdtree_get_pt(std::size_t i, std::size_t axis) const {
+    return points[i][static_cast<Eigen::Index>(axis)];
+  }
+  template <class Box>
+  bool kdtree_get_bbox(Box&) const {
+    return false;
+  }
+};
+
+TEST(Neighbours, CountAsNanoflann) {
+  const auto points = random_points(20000, 3, 2);
+  const Liquid liquid(points, at_rest(points.size()), kSpacing);
+  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Cloud>, Cloud, 3>;
+  const Cloud cloud{liquid.particles.position};
+  const Tree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
+  std::vector<std::pair<std::uint32_t, float>> found;
+  std::size_t differing = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const std::size_t count = tree.radiusSearch(liquid.particles.position[i].data(), 4 * kSpacing * kSpacing,
+                                                found, nanoflann::SearchParams());
+    differing += count - 1 != liquid.lists.begin[i + 1] - liquid.lists.begin[i];
+  }
+  EXPECT_LE(differing, 2u);  // pairs whose distance rounds to the support
+}
+
+TEST(Neighbours, SortingCarriesEveryAttribute) {
+  const auto points = random_points(500, 1, 3);
+  std::vector<Vec3> velocity(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) velocity[i] = 2 * points[i];
+  Liquid liquid(points, velocity, kSpacing);
+  auto& p = liquid.particles;
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    p.density_pressure[i] = static_cast<float>(p.id[i]);
+    p.divergence_pressure[i] = -static_cast<float>(p.id[i]);
+    p.viscous_change[i] = Vec4f::Constant(static_cast<float>(p.id[i]));
+    p.position[i] = Vec4f(0.4f, -0.3f, 0.2f, 0) - p.position[i];
+  }
+  liquid.update();
+  std::set<std::uint32_t> ids;
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    ids.insert(p.id[i]);
+    EXPECT_EQ(p.density_pressure[i], static_cast<float>(p.id[i]));
+    EXPECT_EQ(p.divergence_pressure[i], -static_cast<float>(p.id[i]));
+    EXPECT_EQ(p.viscous_change[i], Vec4f::Constant(static_cast<float>(p.id[i])));
+    EXPECT_EQ(p.velocity[i], padded(velocity[p.id[i]]));
+    EXPECT_EQ(p.position[i], Vec4f(0.4f, -0.3f, 0.2f, 0) - padded(points[p.id[i]]));
+  }
+  EXPECT_EQ(ids.size(), points.size());
+}
+
+TEST(Neighbours, GradientsAreAntisymmetricToTheBit) {
+  const auto points = random_points(400, 0.7, 4);
+  const Liquid liquid(points, at_rest(points.size()), kSpacing);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    for (std::size_t pair = liquid.lists.begin[i]; pair < liquid.lists.begin[i + 1]; ++pair) {
+      const std::uint32_t j = liquid.lists.index[pair];
+      std::size_t back = liquid.lists.begin[j];
+      while (back < liquid.lists.begin[j + 1] && liquid.lists.index[back] != i) ++back;
+      ASSERT_LT(back, liquid.lists.begin[j + 1]);
+      EXPECT_EQ(liquid.lists.gradient[pair].head<3>(), -liquid.lists.gradient[back].head<3>());
+      EXPECT_EQ(liquid.lists.gradient[pair][3], liquid.lists.gradient[back][3]);
+    }
+}
+
+TEST(Neighbours, LatticeIsAtRestDensityInside) {
+  const auto points = test::block({0, 0, 0}, {1, 1, 1}, kSpacing);
+  const Liquid liquid(points, at_rest(points.size()), kSpacing);
+  int inside = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Array3f x = liquid.particles.position[i].head<3>().array();
+    if ((x < 0.2f).any() || (x > 0.8f).any()) continue;
+    ++inside;
+    EXPECT_NEAR(liquid.particles.density[i], 1, 2e-4);
+    EXPECT_LT(liquid.particles.gradient_sum[i].norm() * kSpacing, 1e-4);
+  }
+  EXPECT_EQ(inside, 216);
+}
+
+}  // namespace
+}  // namespace kappaflow
