@@ -4,12 +4,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace kappaflow {
 namespace {
 
-std::string mean(double sum, int count) {
-  return count > 0 ? fmt::format("{:.4f}", sum / count) : "-";
+/// The upper median: rotation_captured is a ratio, and one frame in which the material hardly turns would
+/// spoil a mean.
+std::string median(std::vector<double> values) {
+  if (values.empty()) return "-";
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return fmt::format("{:.4f}", *middle);
 }
 
 std::string run_lines(const RunSummary& s, const Scene& scene, const ParticleFieldOptions& field) {
@@ -42,13 +48,12 @@ std::string method_table(const RunSummary& s) {
     const double volume_error = m.last.size.volume / s.last.isosurface_volume - 1;
     text += fmt::format("  {:<16}{:>9}{:>13.4f}{:>12.4f}{:>12.1e}{:>+9.2f}%{:>10}{:>10}{:>13}\n", m.name,
                         m.last.vertices, m.last.quality.min, m.last.quality.mean, m.residual_max,
-                        100 * volume_error, mean(m.slip_sum, m.slips), mean(m.rotation_sum, m.rotations),
-                        m.last.unprojected);
+                        100 * volume_error, median(m.slips), median(m.rotations), m.last.unprojected);
   }
   return text +
          "  quality, unprojected: at the end; residual: largest, in sigma; volume: against a fresh "
          "isosurface at the end;\n"
-         "  slip and rotation captured: mean over the frames, against the material's motion\n\n";
+         "  slip and rotation captured: median over the frames, against the material's motion\n\n";
 }
 
 }  // namespace
@@ -58,8 +63,8 @@ void MethodSummary::add_frame(const std::string& method, const SurfaceMetrics& m
   name = method;
   last = metrics;
   residual_max = std::max(residual_max, metrics.residual_max);
-  if (metrics.slip) slip_sum += *metrics.slip, ++slips;
-  if (metrics.rotation_captured) rotation_sum += *metrics.rotation_captured, ++rotations;
+  if (metrics.slip) slips.push_back(*metrics.slip);
+  if (metrics.rotation_captured) rotations.push_back(*metrics.rotation_captured);
   seconds.solver += frame_seconds.solver;
   seconds.velocity += frame_seconds.velocity;
   seconds.fairing += frame_seconds.fairing;

@@ -14,12 +14,11 @@ namespace kappaflow {
 /// One method over the whole run.
 struct MethodSummary {
   std::string name;
-  SurfaceMetrics last;           ///< of the last frame
-  double residual_max = 0;       ///< largest of all frames [sigma]
-  double slip_sum = 0;           ///< over the frames that have one
-  double rotation_sum = 0;       ///< likewise
-  int slips = 0, rotations = 0;  ///< frames that have one
-  PhaseSeconds seconds;          ///< summed over the frames
+  SurfaceMetrics last;            ///< of the last frame
+  double residual_max = 0;        ///< largest of all frames [sigma]
+  std::vector<double> slips;      ///< of the frames that have one
+  std::vector<double> rotations;  ///< likewise
+  PhaseSeconds seconds;           ///< summed over the frames
 
   void add_frame(const std::string& method, const SurfaceMetrics& metrics, const PhaseSeconds& frame_seconds);
 };
