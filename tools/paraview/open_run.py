@@ -25,13 +25,13 @@ def show(run, method, pvd, view):
     display = simple.Show(surface, view)
     simple.ColorBy(display, ("POINTS", "checker"))
     display.MapScalars = 0  # checker holds colours, not values to look up
+    display.SetScalarBarVisibility(view, False)
     boundary = os.path.join(run, "boundary.vtp")
     if os.path.exists(boundary):
         walls = simple.XMLPolyDataReader(registrationName="walls", FileName=[boundary])
         walls_display = simple.Show(walls, view)
-        simple.ColorBy(walls_display, None)
+        walls_display.ColorArrayName = [None, ""]
         walls_display.DiffuseColor = [0.8, 0.8, 0.8]
-        walls_display.Opacity = 0.5
     label = simple.Text(registrationName=method + " label", Text=method)
     label_display = simple.Show(label, view)
     label_display.Color = [0, 0, 0]
@@ -42,11 +42,12 @@ def show(run, method, pvd, view):
 
 
 def aim(view):
-    """From the front, the right and above; gravity points down the screen."""
-    view.CameraPosition = [0.55, 0.45, 1]
+    """From the foot of the stairs, the right and above; gravity points down the screen."""
     view.CameraFocalPoint = [0, 0, 0]
+    view.CameraPosition = [0.9, 0.65, 1]
     view.CameraViewUp = [0, 1, 0]
-    view.ResetCamera()
+    view.CameraViewAngle = 24
+    simple.ResetCamera(view)
 
 
 def open_run(run):
@@ -58,13 +59,11 @@ def open_run(run):
     views = []
     for index, (method, pvd) in enumerate(methods.items()):
         view = simple.CreateView("RenderView")
-        if index > 0:
-            layout.SplitHorizontal(index * 2 - 1, 1 / (len(methods) - index + 1))
+        if views:  # the last view keeps its share, the new one gets the rest
+            layout.SplitViewHorizontal(views[-1], 1 / (len(methods) - index + 1))
         simple.AssignViewToLayout(view=view, layout=layout)
         show(run, method, pvd, view)
         views.append(view)
-    for view in views[1:]:
-        simple.AddCameraLink(views[0], view, f"camera {id(view)}")
     scene = simple.GetAnimationScene()
     scene.UpdateAnimationUsingDataTimeSteps()
     return layout, views, scene
@@ -79,9 +78,10 @@ def main():
     wanted = float(sys.argv[3]) if len(sys.argv) > 3 else times[-1]
     scene.AnimationTime = min(times, key=lambda time: abs(time - wanted))
     for view in views:
-        simple.SetActiveView(view)
         simple.Render(view)
         aim(view)
+    for number, view in enumerate(views[1:], start=2):
+        simple.AddCameraLink(views[0], view, f"camera of view {number}")
     if len(sys.argv) > 2:
         layout.SetSize(900 * len(views), 800)
         simple.SaveScreenshot(sys.argv[2], layout)
