@@ -145,7 +145,8 @@ CLI::App* add_probe(CLI::App& app, CommandLine& line) {
   probe->add_option("--threshold", line.probe.threshold, "T of Eq. 12")
       ->required()
       ->check(number_in("a number", [](double) { return true; }));
-  add_methods(*probe, "--methods", line.probe.methods, "Velocity methods to evaluate (default: none)");
+  for (const VelocityMethod& method : velocity_methods()) line.probe.methods.emplace_back(method.name);
+  add_methods(*probe, "--methods", line.probe.methods, "Velocity methods to evaluate (default: all)");
   probe->footer(
       method_lines() + "\n" +
       footer("kappaflow probe out/staircase/particles/particles_0010.vtp points.csv --threshold 2.6 "
@@ -193,7 +194,7 @@ int parse_and_execute(int argc, char** argv) {
   line.run.command.assign(argv, argv + argc);
   CLI::App app("kappaflow: viscous SPH liquids with a tracked, textured surface", "kappaflow");
   app.set_version_flag("--version", fmt::format("kappaflow {}\n{}", kVersion, build_description()));
-  app.footer(kExitCodes);
+  app.footer(footer("kappaflow run scenes/staircase.toml"));
   app.require_subcommand(1);
   const std::vector<CLI::App*> commands{add_run(app, line), add_check(app, line), add_probe(app, line),
                                         add_render(app, line)};

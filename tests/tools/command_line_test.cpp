@@ -1,6 +1,9 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "core/version.h"
+#include "surface/motion/velocity.h"
 #include "tests/tools/program.h"
 #include "tests/tools/scratch.h"
 
@@ -78,7 +81,7 @@ TEST_F(CommandLine, EveryHelpHasAnExampleAndTheExitCodes) {
     EXPECT_NE(result.out.find("Exit codes:\n"), std::string::npos) << command;
   }
   const std::string help = run_program({"--help"}).out;
-  for (const std::string command : {"run", "check", "probe", "render", "Exit codes:"})
+  for (const std::string command : {"run", "check", "probe", "render", "Example:", "Exit codes:"})
     EXPECT_NE(help.find(command), std::string::npos);
   EXPECT_NE(run_program({"run", "--help"}).out.find("curvature-only"), std::string::npos)
       << "lists the methods";
@@ -111,6 +114,11 @@ TEST_F(CommandLine, ProbePrintsATable) {
   EXPECT_NE(result.out.find(",v_total_x,v_total_y,v_total_z,confidence_total,v_material_x,"),
             std::string::npos);
   EXPECT_NE(result.out.find("\n0.5,0,0,0.171875,"), std::string::npos) << "0.75^3 - 0.25";
+
+  const std::string all =
+      run_program({"probe", particles.string(), points.string(), "--threshold", "0.25"}).out;
+  for (const VelocityMethod& method : velocity_methods())
+    EXPECT_NE(all.find(fmt::format(",confidence_{}", method.name)), std::string::npos) << method.name;
 }
 
 }  // namespace
