@@ -8,11 +8,14 @@
 namespace kappaflow {
 namespace {
 
-// Wall particles are this much larger than the liquid's and stand so much deeper (sample_walls()) that a
-// layer of liquid half a spacing off the wall has rest density, as inside a cubic lattice. Only the liquid's
-// own pressure acts on the contact layer, so the wall's density must rise about twice as steeply as a layer
-// of liquid's to hold what is above.
-constexpr float kVolumeRatio = 2;
+// Wall particles are this much larger than the liquid's, and stand so much deeper (sample_walls()) that
+// liquid at half a spacing from the wall continues a lattice of rest density rho there: with S(y) the sum
+// over a plane of particles at the distance y, ratio S(1.44 spacing) = S(spacing). Pressure acts through
+// kappa_i + kappa_j between layers of liquid but through kappa_i alone at a wall, so the lattice is in
+// balance when the wall's density rises twice as steeply: ratio S'(1.44 spacing) = 2 S'(spacing). Both hold
+// for this ratio and that depth. With volumes of the liquid's size the contact layer would be squeezed until
+// they do, and its pressure be wrong by as much.
+constexpr float kVolumeRatio = 8;
 
 /// Sum of the kernel over a square lattice in a plane through one of its points. A wall of such particles
 /// with volumes spacing^3 continues a cubic lattice of liquid without a jump in density.

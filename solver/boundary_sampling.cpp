@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
 
 #include "core/cell_grid.h"
 #include "core/errors.h"
@@ -14,7 +13,8 @@
 namespace kappaflow {
 namespace {
 
-constexpr double kDepth = 0.68;             // below the surface, in spacings
+constexpr double kDepth = 0.94;      // below the surface, in spacings
+constexpr double kLeastDepth = 0.7;  // below any face, over kDepth: less than 1 fills the wall's convex edges
 constexpr double kMinDistance = 0.6;        // between samples, in spacings
 constexpr double kCandidateDistance = 0.2;  // between candidates, in spacings
 
@@ -51,8 +51,8 @@ void append_rows(Vec3 a, Vec3 b, Vec3 c, double depth, double step, std::vector<
   }
 }
 
-/// The candidates that are `depth` deep in the union: those below a convex edge are less, those that another
-/// solid covers more.
+/// Leaves out the candidates that another solid covers, which are deeper than `depth` in the union, and those
+/// below a convex edge that come too near to its other face.
 std::vector<Vec3> at_depth(const std::vector<Candidate>& candidates, std::span<const SolidDistance> solids,
                            double depth) {
   std::vector<SurfacePoint> nearest(candidates.size());
@@ -60,14 +60,15 @@ std::vector<Vec3> at_depth(const std::vector<Candidate>& candidates, std::span<c
                [&](std::size_t i) { nearest[i] = nearest_of_union(solids, candidates[i].position); });
   std::vector<Vec3> kept;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
-    const double excess = nearest[i].distance + depth;
     const Vec3& x = nearest[i].position;
-    if (excess > 1e-3 * depth && nearest[i].normal.dot(candidates[i].normal) < -0.9)
+    if (nearest[i].distance > -0.999 * depth && nearest[i].normal.dot(candidates[i].normal) < -0.9)
       throw InvalidInput(
-          fmt::format("wall: thinner than {:.4g} m, 1.36 particle spacings, at ({:.4g}, {:.4g}, {:.4g}); "
+          fmt::format("wall: thinner than {:.4g} m, 1.88 particle spacings, at ({:.4g}, {:.4g}, {:.4g}); "
                       "make it thicker or lower the spacing",
                       2 * depth, x.x(), x.y(), x.z()));
-    if (std::abs(excess) < 1e-3 * depth) kept.push_back(candidates[i].position);
+    const bool covered = nearest[i].distance < -1.001 * depth;
+    const bool shallow = nearest[i].distance > -0.999 * kLeastDepth * depth;
+    if (!covered && !shallow) kept.push_back(candidates[i].position);
   }
   return kept;
 }
@@ -77,14 +78,14 @@ std::vector<Vec3> poisson_disk_subset(const std::vector<Vec3>& points, double di
   CellGrid grid;
   grid.build(std::span<const Vec3>(points), distance);
   const auto cell_order = grid.order();
-  std::vector<std::uint32_t> visits(points.size());
-  std::iota(visits.begin(), visits.end(), 0u);
-  std::sort(visits.begin(), visits.end(), [](auto i, auto j) { return scramble(i) < scramble(j); });
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> visits(points.size());
+  for (std::uint32_t i = 0; i < points.size(); ++i) visits[i] = {scramble(i), i};
+  std::sort(visits.begin(), visits.end());
   std::vector<char> taken(points.size(), 0);  // by place in cell order
   std::vector<std::uint32_t> place(points.size());
   for (std::size_t k = 0; k < cell_order.size(); ++k) place[cell_order[k]] = static_cast<std::uint32_t>(k);
   std::vector<Vec3> samples;
-  for (const std::uint32_t i : visits) {
+  for (const auto& [key, i] : visits) {
     bool free = true;
     grid.ranges_near(points[i], distance, [&](std::uint32_t begin, std::uint32_t end) {
       for (std::uint32_t k = begin; k < end && free; ++k)

@@ -9,7 +9,7 @@ namespace kappaflow {
 namespace {
 
 constexpr int kMinIterations = 1;
-constexpr float kMaxCompression = 0.03f;  // of any particle when the solve stops [1]
+constexpr float kMaxCompression = 0.01f;  // of any particle when the solve stops [1]
 constexpr float kLeastDiagonal = 1e-20f;  // below: no neighbours, no pressure
 constexpr float kFirstCurvature =
     2.5f;  // largest eigenvalue of the scaled system to begin with; liquid has up to 3
