@@ -11,26 +11,27 @@ namespace {
 
 constexpr std::size_t kBatch = 64;  // pairs that a vectorised loop works on at a time
 
-/// Appends to `out` the points of [begin, end) within sqrt(square) of the point `i`, without `i`.
-void append_near(const float* x, const float* y, const float* z, std::uint32_t i, std::uint32_t begin,
-                 std::uint32_t end, float square, std::vector<std::uint32_t>& out) {
+/// Writes to `out` the points of [begin, end) within sqrt(square) of the point `i`, without `i`; returns the
+/// end of what it wrote. `out` has room for all of them.
+std::uint32_t* write_near(const float* x, const float* y, const float* z, std::size_t i, std::size_t begin,
+                          std::size_t end, float square, std::uint32_t* out) {
   const float xi = x[i], yi = y[i], zi = z[i];
   std::array<float, kBatch> distance;
-  std::array<std::uint32_t, kBatch> near;
-  for (std::uint32_t first = begin; first < end; first += kBatch) {
-    const std::uint32_t count = std::min<std::uint32_t>(kBatch, end - first);
+  for (std::size_t first = begin; first < end; first += kBatch) {
+    const std::size_t count = std::min(kBatch, end - first);
+    const float *px = x + first, *py = y + first, *pz = z + first;
 #pragma omp simd
-    for (std::uint32_t k = 0; k < count; ++k) {
-      const float dx = x[first + k] - xi, dy = y[first + k] - yi, dz = z[first + k] - zi;
+    for (std::size_t k = 0; k < count; ++k) {
+      const float dx = px[k] - xi, dy = py[k] - yi, dz = pz[k] - zi;
       distance[k] = dx * dx + dy * dy + dz * dz;
     }
-    std::uint32_t found = 0;
-    for (std::uint32_t k = 0; k < count; ++k) {
-      near[found] = first + k;
-      found += (distance[k] < square) & (first + k != i);
+    if (i - first < count) distance[i - first] = square;  // i itself is no neighbour
+    for (std::size_t k = 0; k < count; ++k) {
+      *out = static_cast<std::uint32_t>(first + k);
+      out += distance[k] < square;
     }
-    out.insert(out.end(), near.begin(), near.begin() + found);
   }
+  return out;
 }
 
 }  // namespace
@@ -53,19 +54,22 @@ void NeighbourSearch::sort(FluidParticles& particles) {
     permute(*array, scalar_buffer_);
 }
 
-void NeighbourSearch::find_in_chunk(std::size_t chunk, std::span<const Vec4f> position,
-                                    NeighbourLists& lists) {
+std::size_t NeighbourSearch::find_in_chunk(std::size_t chunk, std::span<const Vec4f> position,
+                                           NeighbourLists& lists) {
   const std::size_t end = std::min((chunk + 1) * kChunk, position.size());
   const float support = kernel_.support();
   auto& found = found_[chunk];
-  found.clear();
+  std::size_t count = 0;
   for (std::size_t i = chunk * kChunk; i < end; ++i) {
-    lists.begin[i] = found.size();  // within the chunk, for now
+    lists.begin[i] = count;  // within the chunk, for now
     grid_.ranges_near(position[i], support, [&](std::uint32_t first, std::uint32_t last) {
-      append_near(x_.data(), y_.data(), z_.data(), static_cast<std::uint32_t>(i), first, last,
-                  support * support, found);
+      if (found.size() < count + (last - first)) found.resize(2 * (count + (last - first)));
+      const std::uint32_t* written = write_near(x_.data(), y_.data(), z_.data(), i, first, last,
+                                                support * support, found.data() + count);
+      count = static_cast<std::size_t>(written - found.data());
     });
   }
+  return count;
 }
 
 void NeighbourSearch::evaluate(std::size_t i, FluidParticles& particles, NeighbourLists& lists) const {
@@ -108,20 +112,22 @@ void NeighbourSearch::find(FluidParticles& particles, NeighbourLists& lists) {
   for (auto* array : {&particles.density, &particles.gradient_square_sum}) array->resize(n);
   particles.gradient_sum.resize(n);
   lists.begin.resize(n + 1);
-  if (found_.size() < chunks) found_.resize(chunks);
+  found_.resize(std::max(chunks, found_.size()));
+  found_count_.resize(chunks);
   for (std::size_t i = 0; i < n; ++i) {
     x_[i] = particles.position[i][0];
     y_[i] = particles.position[i][1];
     z_[i] = particles.position[i][2];
   }
   parallel_for(
-      chunks, [&](std::size_t chunk) { find_in_chunk(chunk, particles.position, lists); }, 1);
+      chunks,
+      [&](std::size_t chunk) { found_count_[chunk] = find_in_chunk(chunk, particles.position, lists); }, 1);
 
   std::size_t pairs = 0;
   for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
     const std::size_t end = std::min((chunk + 1) * kChunk, n);
     for (std::size_t i = chunk * kChunk; i < end; ++i) lists.begin[i] += pairs;
-    pairs += found_[chunk].size();
+    pairs += found_count_[chunk];
   }
   lists.begin[n] = pairs;
   lists.index.resize(pairs);
@@ -129,8 +135,8 @@ void NeighbourSearch::find(FluidParticles& particles, NeighbourLists& lists) {
   parallel_for(
       chunks,
       [&](std::size_t chunk) {
-        std::copy(found_[chunk].begin(), found_[chunk].end(),
-                  lists.index.begin() + static_cast<std::ptrdiff_t>(lists.begin[chunk * kChunk]));
+        std::copy_n(found_[chunk].begin(), found_count_[chunk],
+                    lists.index.begin() + static_cast<std::ptrdiff_t>(lists.begin[chunk * kChunk]));
         const std::size_t end = std::min((chunk + 1) * kChunk, n);
         for (std::size_t i = chunk * kChunk; i < end; ++i) evaluate(i, particles, lists);
       },

@@ -36,7 +36,7 @@ class NeighbourSearch {
  private:
   static constexpr std::size_t kChunk = 128;  // particles whose neighbours one task finds
 
-  void find_in_chunk(std::size_t chunk, std::span<const Vec4f> position, NeighbourLists& lists);
+  std::size_t find_in_chunk(std::size_t chunk, std::span<const Vec4f> position, NeighbourLists& lists);
   void evaluate(std::size_t i, FluidParticles& particles, NeighbourLists& lists) const;
   template <class T>
   void permute(std::vector<T>& array, std::vector<T>& buffer) const;
@@ -44,7 +44,8 @@ class NeighbourSearch {
   CubicSpline kernel_;
   float volume_;
   CellGrid grid_;
-  std::vector<std::vector<std::uint32_t>> found_;  // by chunk
+  std::vector<std::vector<std::uint32_t>> found_;  // by chunk, with room to spare
+  std::vector<std::size_t> found_count_;           // by chunk
   std::vector<float> x_, y_, z_;  // positions in cell order, for the vectorised distance test
   std::vector<Vec4f> vector_buffer_;
   std::vector<float> scalar_buffer_;
