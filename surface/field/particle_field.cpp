@@ -141,7 +141,7 @@ inline Jet ParticleField::JetSums::jet(double threshold) const {
   return jet;
 }
 
-ParticleField::ParticleField(FieldParticles particles, double threshold, double time)
+ParticleField::ParticleField(const FieldParticles& particles, double threshold, double time)
     : threshold_(threshold), time_(time) {
   check(particles);
   set_particles(particles);

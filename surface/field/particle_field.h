@@ -29,7 +29,7 @@ struct FieldParticles {
 class ParticleField final : public Field {
  public:
   /// threshold: T [-]. Throws InvalidInput when arrays differ in length or a sigma is not positive.
-  ParticleField(FieldParticles particles, double threshold, double time);
+  ParticleField(const FieldParticles& particles, double threshold, double time);
 
   double time() const override { return time_; }
   double threshold() const { return threshold_; }
