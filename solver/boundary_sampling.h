@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/types.h"
-#include "solver/solid_distance.h"
+#include "core/solid_distance.h"
 
 namespace kappaflow {
 

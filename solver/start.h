@@ -6,7 +6,7 @@
 
 #include "solver/fluid_particles.h"
 #include "solver/fluid_solver.h"
-#include "solver/solid_distance.h"
+#include "core/solid_distance.h"
 
 namespace kappaflow {
 

@@ -22,7 +22,7 @@ using TangentBasis = Eigen::Matrix<double, 3, 2>;
 
 /// A tangent basis for the unit normal n. No method's result depends on which one it is.
 inline TangentBasis tangent_basis(const Vec3& n) {
-  int smallest;
+  int smallest = 0;
   n.cwiseAbs().minCoeff(&smallest);
   TangentBasis basis;
   basis.col(0) = n.cross(Vec3::Unit(smallest)).normalized();

@@ -28,7 +28,7 @@ Projected project(const Field& field, const Vec3& x, const ProjectionOptions& op
   const double scale = field.length_scale();
   if (!x.allFinite()) return {.position = x, .residual = std::numeric_limits<double>::infinity()};
   ValueAndGradient at = field.value_and_gradient(x);
-  const Projected failed{.position = x, .gradient = at.g, .residual = residual(at, scale)};
+  Projected failed{.position = x, .gradient = at.g, .residual = residual(at, scale)};
 
   Vec3 y = x;
   double y_residual = failed.residual, longest = options.step_limit * scale;

@@ -3,11 +3,12 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <numeric>
 
 #include "core/errors.h"
-#include "solver/solid_distance.h"
+#include "core/solid_distance.h"
 #include "tests/solver/shapes.h"
 
 namespace kappaflow {

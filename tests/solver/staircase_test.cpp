@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "core/solid_distance.h"
 #include "solver/fluid_solver.h"
-#include "solver/solid_distance.h"
 #include "tests/solver/shapes.h"
 
 namespace kappaflow {

@@ -1,14 +1,18 @@
 // Nearest point on a triangle after Ericson, "Real-Time Collision Detection", 2005, section 5.1.5; the sign
 // after Baerentzen & Aanaes, "Signed distance computation using the angle weighted pseudonormal", 2005.
-#include "scenes/wall_distance.h"
+#include "core/solid_distance.h"
+
+#include <fmt/format.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
+#include <tuple>
 #include <utility>
+
+#include "core/errors.h"
 
 namespace kappaflow {
 namespace {
@@ -20,18 +24,13 @@ constexpr std::size_t kMaxTreeDepth = 64;  // the median split halves the triang
 /// The parts of a triangle that can be nearest; edge k runs from corner k to corner k + 1.
 enum Feature { corner_0, corner_1, corner_2, edge_0, edge_1, edge_2, face };
 
-struct WallTriangle {
-  std::array<Vec3, 3> corner;
-  std::array<Vec3, 7> normal;  // pseudonormal of each Feature; its length does not matter
-};
-
 struct Nearest {
   Vec3 point;
   Feature feature;
 };
 
-Nearest nearest_on_triangle(const WallTriangle& triangle, const Vec3& x) {
-  const auto& [a, b, c] = triangle.corner;
+Nearest nearest_on_triangle(const std::array<Vec3, 3>& triangle, const Vec3& x) {
+  const auto& [a, b, c] = triangle;
   const Vec3 ab = b - a, ac = c - a, ax = x - a, bx = x - b, cx = x - c;
   const double d1 = ab.dot(ax), d2 = ac.dot(ax);
   if (d1 <= 0 && d2 <= 0) return {a, corner_0};
@@ -75,67 +74,56 @@ std::vector<Side> sorted_sides(const TriangleSurface& surface) {
   return sides;
 }
 
+void check(const TriangleSurface& surface) {
+  for (const Vec3& vertex : surface.vertices)
+    if (!vertex.allFinite()) throw InvalidInput("wall: a vertex is not finite");
+  const std::size_t vertices = surface.vertices.size();
+  for (const Triangle& triangle : surface.triangles)
+    for (const int v : triangle)
+      if (v < 0 || static_cast<std::size_t>(v) >= vertices)
+        throw InvalidInput(fmt::format("wall: a triangle names vertex {}; there are {}", v, vertices));
+}
+
+}  // namespace
+
+SolidDistance::SolidDistance(const TriangleSurface& surface) {
+  check(surface);
+  set_faces(surface);
+  std::erase_if(faces_, [](const Face& f) { return f.normal[face].isZero(0); });
+  if (faces_.empty()) throw InvalidInput("wall: no triangle has an area");
+  build(0, static_cast<std::uint32_t>(faces_.size()));
+}
+
 /// The triangles with the pseudonormals of their faces, edges (sum of both sides' normals) and corners (sum
 /// over the triangles around, weighted with their angles there).
-std::vector<WallTriangle> with_normals(const TriangleSurface& surface) {
-  std::vector<WallTriangle> triangles(surface.triangles.size());
+void SolidDistance::set_faces(const TriangleSurface& surface) {
+  faces_.resize(surface.triangles.size());
   std::vector<Vec3> vertex_normal(surface.vertices.size(), Vec3::Zero());
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    auto& [corner, normal] = triangles[t];
+  for (std::size_t t = 0; t < faces_.size(); ++t) {
+    auto& [corner, normal] = faces_[t];
     for (int k = 0; k < 3; ++k) corner[k] = surface.vertices[surface.triangles[t][k]];
     normal[face] = (corner[1] - corner[0]).cross(corner[2] - corner[0]).normalized();
     for (int k = 0; k < 3; ++k)
       vertex_normal[surface.triangles[t][k]] +=
           angle_at(corner[k], corner[(k + 1) % 3], corner[(k + 2) % 3]) * normal[face];
   }
-  for (std::size_t t = 0; t < triangles.size(); ++t)
-    for (int k = 0; k < 3; ++k) triangles[t].normal[corner_0 + k] = vertex_normal[surface.triangles[t][k]];
+  for (std::size_t t = 0; t < faces_.size(); ++t)
+    for (int k = 0; k < 3; ++k) faces_[t].normal[corner_0 + k] = vertex_normal[surface.triangles[t][k]];
 
   const std::vector<Side> sides = sorted_sides(surface);
   for (std::size_t first = 0, last = 0; first < sides.size(); first = last) {
     Vec3 sum = Vec3::Zero();
     for (; last < sides.size() && sides[last].edge == sides[first].edge; ++last)
-      sum += triangles[sides[last].triangle].normal[face];
-    for (std::size_t s = first; s < last; ++s) triangles[sides[s].triangle].normal[edge_0 + sides[s].k] = sum;
+      sum += faces_[sides[last].triangle].normal[face];
+    for (std::size_t s = first; s < last; ++s) faces_[sides[s].triangle].normal[edge_0 + sides[s].k] = sum;
   }
-  return triangles;
 }
 
-struct TreeNode {
-  Vec3 lower = Vec3::Constant(kInfinity), upper = Vec3::Constant(-kInfinity);
-  std::uint32_t begin = 0, end = 0;  // triangles of a leaf
-  std::uint32_t second = 0;          // the second child; the first follows its parent; 0: a leaf
-
-  double squared_distance(const Vec3& x) const {
-    return (lower - x).cwiseMax(x - upper).cwiseMax(0).squaredNorm();
-  }
-};
-
-}  // namespace
-
-class WallDistance::Solid {
- public:
-  explicit Solid(const TriangleSurface& surface) : triangles_(with_normals(surface)) {
-    if (!triangles_.empty()) build(0, static_cast<std::uint32_t>(triangles_.size()));
-  }
-
-  double depth(const Vec3& x) const;
-
- private:
-  std::uint32_t build(std::uint32_t begin, std::uint32_t end);
-  void split(std::uint32_t begin, std::uint32_t end, const TreeNode& node);
-
-  std::vector<WallTriangle> triangles_;  // in the order of the leaves
-  std::vector<TreeNode> nodes_;
-};
-
-std::uint32_t WallDistance::Solid::build(std::uint32_t begin, std::uint32_t end) {
+std::uint32_t SolidDistance::build(std::uint32_t begin, std::uint32_t end) {
   const auto index = static_cast<std::uint32_t>(nodes_.size());
-  TreeNode node;
-  node.begin = begin;
-  node.end = end;
+  Node node{Vec3::Constant(kInfinity), Vec3::Constant(-kInfinity), begin, end, 0};
   for (std::uint32_t t = begin; t < end; ++t)
-    for (const Vec3& corner : triangles_[t].corner) {
+    for (const Vec3& corner : faces_[t].corner) {
       node.lower = node.lower.cwiseMin(corner);
       node.upper = node.upper.cwiseMax(corner);
     }
@@ -149,24 +137,24 @@ std::uint32_t WallDistance::Solid::build(std::uint32_t begin, std::uint32_t end)
   return index;
 }
 
-void WallDistance::Solid::split(std::uint32_t begin, std::uint32_t end, const TreeNode& node) {
+void SolidDistance::split(std::uint32_t begin, std::uint32_t end, const Node& node) {
   Eigen::Index axis = 0;
   (node.upper - node.lower).maxCoeff(&axis);
-  const auto center = [axis](const WallTriangle& t) {
+  const auto center = [axis](const Face& t) {
     return t.corner[0][axis] + t.corner[1][axis] + t.corner[2][axis];
   };
-  std::nth_element(triangles_.begin() + begin, triangles_.begin() + begin + (end - begin) / 2,
-                   triangles_.begin() + end,
-                   [&](const WallTriangle& a, const WallTriangle& b) { return center(a) < center(b); });
+  std::nth_element(faces_.begin() + begin, faces_.begin() + begin + (end - begin) / 2, faces_.begin() + end,
+                   [&](const Face& a, const Face& b) { return center(a) < center(b); });
 }
 
-double WallDistance::Solid::depth(const Vec3& x) const {
+SurfacePoint SolidDistance::nearest(const Vec3& x) const {
   double least = kInfinity;
-  Vec3 offset = Vec3::Zero(), normal = Vec3::Zero();
+  SurfacePoint best;
+  Vec3 normal = Vec3::Zero();
   std::array<std::uint32_t, kMaxTreeDepth> stack{0};
-  for (std::size_t size = nodes_.empty() ? 0 : 1; size > 0;) {
+  for (std::size_t size = 1; size > 0;) {
     const std::uint32_t index = stack[--size];
-    const TreeNode& node = nodes_[index];
+    const Node& node = nodes_[index];
     if (node.squared_distance(x) > least) continue;
     if (node.second != 0) {  // the nearer child comes off the stack first
       const bool swap = nodes_[node.second].squared_distance(x) < nodes_[index + 1].squared_distance(x);
@@ -174,27 +162,25 @@ double WallDistance::Solid::depth(const Vec3& x) const {
       stack[size++] = swap ? node.second : index + 1;
       continue;
     }
-    for (std::uint32_t t = node.begin; t < node.end; ++t) {
-      const auto [point, feature] = nearest_on_triangle(triangles_[t], x);
-      if (const double distance = (x - point).squaredNorm(); distance < least) {
-        least = distance;
-        offset = x - point;
-        normal = triangles_[t].normal[feature];
+    for (std::uint32_t f = node.begin; f < node.end; ++f) {
+      const auto [point, feature] = nearest_on_triangle(faces_[f].corner, x);
+      if (const double square = (x - point).squaredNorm(); square < least) {
+        least = square;
+        best.position = point;
+        best.normal = faces_[f].normal[face];
+        normal = faces_[f].normal[feature];
       }
     }
   }
-  return std::copysign(std::sqrt(least), -offset.dot(normal));
+  best.distance = std::copysign(std::sqrt(least), normal.dot(x - best.position));
+  return best;
 }
 
-WallDistance::WallDistance(std::span<const TriangleSurface> walls) : solids_(walls.begin(), walls.end()) {}
-WallDistance::~WallDistance() = default;
-WallDistance::WallDistance(WallDistance&&) noexcept = default;
-WallDistance& WallDistance::operator=(WallDistance&&) noexcept = default;
-
-double WallDistance::depth(const Vec3& x) const {
-  double deepest = -kInfinity;
-  for (const Solid& solid : solids_) deepest = std::max(deepest, solid.depth(x));
-  return deepest;
+SurfacePoint nearest_of_union(std::span<const SolidDistance> solids, const Vec3& x) {
+  SurfacePoint best{x, Vec3::Zero(), kInfinity};
+  for (const SolidDistance& solid : solids)
+    if (const SurfacePoint point = solid.nearest(x); point.distance < best.distance) best = point;
+  return best;
 }
 
 }  // namespace kappaflow

@@ -1,0 +1,60 @@
+// Signed distance to closed triangle surfaces.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "core/types.h"
+
+namespace kappaflow {
+
+/// The point of a solid's surface that is nearest to a given one.
+struct SurfacePoint {
+  Vec3 position = Vec3::Zero();  ///< [m]
+  Vec3 normal =
+      Vec3::Zero();     ///< of its triangle (of one of them at an edge or a corner), unit, out of the solid
+  double distance = 0;  ///< from the given point: positive outside the solid, negative inside [m]
+};
+
+/// Distance to one closed triangle surface that is oriented outward and whose neighbouring triangles share
+/// their vertices by index, through a tree of bounding boxes. The side is told by the angle-weighted
+/// pseudonormal of the nearest face, edge or vertex (Baerentzen & Aanaes 2005). Triangles without area are
+/// ignored.
+class SolidDistance {
+ public:
+  /// Throws InvalidInput for a vertex index out of range, a vertex that is not finite, or no triangle with an
+  /// area.
+  explicit SolidDistance(const TriangleSurface& surface);
+
+  /// May be called from many threads.
+  SurfacePoint nearest(const Vec3& x) const;
+
+ private:
+  struct Face {
+    std::array<Vec3, 3> corner;
+    std::array<Vec3, 7> normal;  // pseudonormals of corners, edges and face; their length does not matter
+  };
+  struct Node {
+    Vec3 lower, upper;
+    std::uint32_t begin, end;  // faces
+    std::uint32_t second;      // the second child; the first follows its parent; 0: a leaf
+
+    double squared_distance(const Vec3& x) const {
+      return (lower - x).cwiseMax(x - upper).cwiseMax(0).squaredNorm();
+    }
+  };
+
+  void set_faces(const TriangleSurface& surface);
+  std::uint32_t build(std::uint32_t begin, std::uint32_t end);
+  void split(std::uint32_t begin, std::uint32_t end, const Node& node);
+
+  std::vector<Face> faces_;  // in the order of the leaves
+  std::vector<Node> nodes_;
+};
+
+/// The nearest surface point of the union of several solids: outside all of them the exact distance, inside
+/// at least as deep as within any one. At infinity without solids.
+SurfacePoint nearest_of_union(std::span<const SolidDistance> solids, const Vec3& x);
+
+}  // namespace kappaflow
