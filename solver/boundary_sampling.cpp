@@ -14,8 +14,7 @@
 namespace kappaflow {
 namespace {
 
-constexpr double kDepth = 0.94;      // below the surface, in spacings
-constexpr double kLeastDepth = 0.7;  // below any face, over kDepth: less than 1 fills the wall's convex edges
+constexpr double kDepth = 0.94;             // below the surface, in spacings
 constexpr double kMinDistance = 0.6;        // between samples, in spacings
 constexpr double kCandidateDistance = 0.2;  // between candidates, in spacings
 
@@ -52,8 +51,8 @@ void append_rows(Vec3 a, Vec3 b, Vec3 c, double depth, double step, std::vector<
   }
 }
 
-/// Leaves out the candidates that another solid covers, which are deeper than `depth` in the union, and those
-/// below a convex edge that come too near to its other face.
+/// The candidates that are `depth` deep in the union: those below a convex edge are less, and would compress
+/// the liquid around it; those that another solid covers are more.
 std::vector<Vec3> at_depth(const std::vector<Candidate>& candidates, std::span<const SolidDistance> solids,
                            double depth) {
   std::vector<SurfacePoint> nearest(candidates.size());
@@ -67,9 +66,7 @@ std::vector<Vec3> at_depth(const std::vector<Candidate>& candidates, std::span<c
           fmt::format("wall: thinner than {:.4g} m, 1.88 particle spacings, at ({:.4g}, {:.4g}, {:.4g}); "
                       "make it thicker or lower the spacing",
                       2 * depth, x.x(), x.y(), x.z()));
-    const bool covered = nearest[i].distance < -1.001 * depth;
-    const bool shallow = nearest[i].distance > -0.999 * kLeastDepth * depth;
-    if (!covered && !shallow) kept.push_back(candidates[i].position);
+    if (std::abs(nearest[i].distance + depth) < 1e-3 * depth) kept.push_back(candidates[i].position);
   }
   return kept;
 }

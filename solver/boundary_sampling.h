@@ -4,17 +4,16 @@
 #include <span>
 #include <vector>
 
-#include "core/types.h"
 #include "core/solid_distance.h"
+#include "core/types.h"
 
 namespace kappaflow {
 
 /// Particles 0.94 spacing below the surface of the union of the solids, see boundary.cpp for why: liquid then
 /// rests about half a spacing off the wall. A Poisson-disk set (dart throwing in a fixed pseudo-random
 /// order): no two are nearer than 0.6 spacing, and no place of the layer is further than about that from one.
-/// Faces that another solid covers get none;
-/// convex edges are filled up to 0.7 of that depth, or liquid would cut the corner. Throws InvalidInput where
-/// a wall is thinner than 1.88 spacings, for then it has no such layer.
+/// Faces that another solid covers get none. Throws InvalidInput where a wall is thinner than 1.88 spacings,
+/// for then it has no such layer.
 std::vector<Vec3> sample_walls(std::span<const TriangleSurface> walls, std::span<const SolidDistance> solids,
                                double spacing);
 

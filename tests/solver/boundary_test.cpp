@@ -22,7 +22,7 @@ std::vector<SolidDistance> distances(const std::vector<TriangleSurface>& walls) 
 void expect_at_depth(const std::vector<SolidDistance>& solids, const Vec3& x) {
   const double depth = -nearest_of_union(solids, x).distance;
   EXPECT_LT(depth, 1.001 * kDepth) << x.transpose();
-  EXPECT_GT(depth, 0.699 * kDepth) << x.transpose();
+  EXPECT_GT(depth, 0.999 * kDepth) << x.transpose();
 }
 
 double box_distance(const Vec3& x, const Vec3& lower, const Vec3& upper) {
