@@ -6,6 +6,7 @@
 
 #include "scenes/scene.h"
 #include "scenes/toml_reader.h"
+#include "solver/boundary_sampling.h"
 
 namespace kappaflow {
 namespace {
@@ -94,18 +95,19 @@ Wall read_wall(TomlTable t) {
   }
 }
 
-/// The solver lays particles half a spacing below a wall's surface, so that two sides need a spacing between
-/// them. Boxes and stairs are checked here, where the line is known; meshes by the solver.
+/// The solver lays particles below a wall's surface, and both sides need room. Boxes and stairs are checked
+/// here, where the line is known; meshes by the solver.
 void check_thickness(const Wall& wall, double spacing) {
-  double thinnest = spacing;
+  const double allowed = kThinnestWall * spacing;
+  double thinnest = allowed;
   if (const auto* box = std::get_if<BoxShape>(&wall.shape)) thinnest = (box->upper - box->lower).minCoeff();
   if (const auto* stairs = std::get_if<StairsShape>(&wall.shape))
     thinnest = std::min(stairs->thickness, stairs->width);
-  if (thinnest < spacing)
+  if (thinnest < allowed)
     throw InvalidInput(
         wall.where,
-        fmt::format("the wall is {:.6g} m thick; allowed: at least the particle spacing, {:.6g} m", thinnest,
-                    spacing));
+        fmt::format("the wall is {:.6g} m thick; allowed: at least {} particle spacings, {:.6g} m", thinnest,
+                    kThinnestWall, allowed));
 }
 
 /// kinematic_viscosity [m2/s], or dynamic_viscosity [Pa s] over the density; exactly one of them.

@@ -14,7 +14,6 @@
 namespace kappaflow {
 namespace {
 
-constexpr double kDepth = 0.94;             // below the surface, in spacings
 constexpr double kMinDistance = 0.6;        // between samples, in spacings
 constexpr double kCandidateDistance = 0.2;  // between candidates, in spacings
 
@@ -63,9 +62,9 @@ std::vector<Vec3> at_depth(const std::vector<Candidate>& candidates, std::span<c
     const Vec3& x = nearest[i].position;
     if (nearest[i].distance > -0.999 * depth && nearest[i].normal.dot(candidates[i].normal) < -0.9)
       throw InvalidInput(
-          fmt::format("wall: thinner than {:.4g} m, 1.88 particle spacings, at ({:.4g}, {:.4g}, {:.4g}); "
+          fmt::format("wall: thinner than {:.4g} m, {} particle spacings, at ({:.4g}, {:.4g}, {:.4g}); "
                       "make it thicker or lower the spacing",
-                      2 * depth, x.x(), x.y(), x.z()));
+                      2 * depth, kThinnestWall, x.x(), x.y(), x.z()));
     if (std::abs(nearest[i].distance + depth) < 1e-3 * depth) kept.push_back(candidates[i].position);
   }
   return kept;
@@ -100,7 +99,7 @@ std::vector<Vec3> poisson_disk_subset(const std::vector<Vec3>& points, double di
 
 std::vector<Vec3> sample_walls(std::span<const TriangleSurface> walls, std::span<const SolidDistance> solids,
                                double spacing) {
-  const double depth = kDepth * spacing;
+  const double depth = kWallDepth * spacing;
   std::vector<Candidate> candidates;
   for (const TriangleSurface& wall : walls)
     for (const Triangle& t : wall.triangles)

@@ -9,11 +9,15 @@
 
 namespace kappaflow {
 
-/// Particles 0.94 spacing below the surface of the union of the solids, see boundary.cpp for why: liquid then
-/// rests about half a spacing off the wall. A Poisson-disk set (dart throwing in a fixed pseudo-random
+/// How deep below a wall's surface its particles lie, in spacings; see boundary.cpp for why.
+inline constexpr double kWallDepth = 0.94;
+/// The thinnest wall that has room for them, in spacings.
+inline constexpr double kThinnestWall = 2 * kWallDepth;
+
+/// Particles kWallDepth below the surface of the union of the solids: liquid then rests about half a spacing
+/// off the wall. A Poisson-disk set (dart throwing in a fixed pseudo-random
 /// order): no two are nearer than 0.6 spacing, and no place of the layer is further than about that from one.
-/// Faces that another solid covers get none. Throws InvalidInput where a wall is thinner than 1.88 spacings,
-/// for then it has no such layer.
+/// Faces that another solid covers get none. Throws InvalidInput where a wall is thinner than kThinnestWall.
 std::vector<Vec3> sample_walls(std::span<const TriangleSurface> walls, std::span<const SolidDistance> solids,
                                double spacing);
 

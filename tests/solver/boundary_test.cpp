@@ -13,7 +13,7 @@ namespace {
 using test::box_surface;
 
 constexpr double kSpacing = 0.05;
-constexpr double kDepth = 0.94 * kSpacing;
+constexpr double kDepth = kWallDepth * kSpacing;
 
 std::vector<SolidDistance> distances(const std::vector<TriangleSurface>& walls) {
   return std::vector<SolidDistance>(walls.begin(), walls.end());
