@@ -145,7 +145,7 @@ void write_vtp(const std::filesystem::path& path, vtkPolyData& data) {
   writer->SetDataModeToBinary();  // VTK's default, appended data, is not well-formed XML: ParaView 5.11
                                   // rejects it
   writer->SetCompressorTypeToZLib();
-  writer->SetCompressionLevel(1);  // floats hardly compress: higher levels take twice the time for 2 % less
+  writer->SetCompressionLevel(1);  // the fastest: floats hardly compress
   writer->WriteToOutputStringOn();
   if (writer->Write() == 0 || errors->failed) throw IoError(path.string(), "VTK cannot encode the data");
   write_file(path, writer->GetOutputString());
