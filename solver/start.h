@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
+#include "core/solid_distance.h"
 #include "solver/fluid_particles.h"
 #include "solver/fluid_solver.h"
-#include "core/solid_distance.h"
 
 namespace kappaflow {
 
