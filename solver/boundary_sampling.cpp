@@ -82,7 +82,8 @@ std::vector<Vec3> poisson_disk_subset(const std::vector<Vec3>& points, double di
   std::vector<std::uint32_t> place(points.size());
   for (std::size_t k = 0; k < cell_order.size(); ++k) place[cell_order[k]] = static_cast<std::uint32_t>(k);
   std::vector<Vec3> samples;
-  for (const auto& [key, i] : visits) {
+  for (const auto& visit : visits) {
+    const std::uint32_t i = visit.second;
     bool free = true;
     grid.ranges_near(points[i], distance, [&](std::uint32_t begin, std::uint32_t end) {
       for (std::uint32_t k = begin; k < end && free; ++k)

@@ -16,7 +16,7 @@ double dot(const Vec4f& a, const Vec4f& b) {
 
 Vec4f ViscositySolver::apply_to(std::size_t i, const NeighbourLists& lists, const WallSums& walls,
                                 float time_step, const std::vector<Vec4f>& u) const {
-  const Vec4f ui = u[i];
+  const Vec4f& ui = u[i];
   Vec4f sum = Vec4f::Zero();
   for (std::size_t pair = lists.begin[i]; pair < lists.begin[i + 1]; ++pair) {
     const Vec4f g = lists.gradient[pair];

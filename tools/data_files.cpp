@@ -58,7 +58,7 @@ vtkSmartPointer<vtkPoints> make_points(std::span<const Vec3> positions) {
 vtkSmartPointer<vtkCellArray> make_triangles(std::span<const Triangle> triangles) {
   auto cells = vtkSmartPointer<vtkCellArray>::New();
   cells->AllocateExact(static_cast<vtkIdType>(triangles.size()),
-                       static_cast<vtkIdType>(3 * triangles.size()));
+                       3 * static_cast<vtkIdType>(triangles.size()));
   for (const Triangle& t : triangles) cells->InsertNextCell({t[0], t[1], t[2]});
   return cells;
 }

@@ -51,7 +51,7 @@ std::string method_names() {
 }
 
 // Validators see the words before CLI11 converts them; an empty result means that the word is fine.
-CLI::Validator number_in(const std::string& what, std::function<bool(double)> allowed) {
+CLI::Validator number_in(const std::string& what, const std::function<bool(double)>& allowed) {
   return CLI::Validator(
       [=](const std::string& word) {
         char* end = nullptr;
@@ -168,7 +168,7 @@ CLI::App* add_render(CLI::App& app, CommandLine& line) {
 
 // CLI11 breaks some of its messages over lines.
 std::string one_line(std::string text) {
-  for (std::size_t end; (end = text.find('\n')) != std::string::npos;)
+  for (std::size_t end = 0; (end = text.find('\n')) != std::string::npos;)
     text.replace(end, 1, end + 1 == text.size() ? "" : "; ");
   return text;
 }

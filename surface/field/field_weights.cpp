@@ -17,7 +17,7 @@ std::vector<double> kernel_sums(std::span<const Vec3> position, std::span<const 
                            .sigma = std::vector<double>(n, sigma),
                            .weight = {weight.begin(), weight.end()},
                            .weight_rate = std::vector<double>(n, 0.0)};
-  const ParticleField field(std::move(particles), 0.0, 0.0);
+  const ParticleField field(particles, 0.0, 0.0);
   std::vector<double> sum(n);
   parallel_for(n, [&](std::size_t i) { sum[i] = field.value_and_gradient(position[i]).f; });
   return sum;

@@ -90,7 +90,7 @@ std::shared_ptr<const ParticleField> particle_field(const Particles& particles,
                    .sigma = std::vector<double>(n, options.sigma),
                    .weight = field_weights(particles.position, options.sigma, options.weights),
                    .weight_rate = std::vector<double>(n, 0.0)};
-  return std::make_shared<ParticleField>(std::move(p), options.threshold, particles.time);
+  return std::make_shared<ParticleField>(p, options.threshold, particles.time);
 }
 
 }  // namespace kappaflow
