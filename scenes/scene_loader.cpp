@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scenes/integrator_names.h"
 #include "scenes/scene.h"
 #include "scenes/toml_reader.h"
 #include "solver/boundary_sampling.h"
@@ -152,8 +153,6 @@ void read_solver(TomlTable t, FluidOptions& fluid) {
 }
 
 void read_tracker(TomlTable& t, TrackerOptions& tracker) {
-  static constexpr Named<TimeIntegrator> kIntegrators[] = {
-      {"euler", TimeIntegrator::euler}, {"rk2", TimeIntegrator::rk2}, {"rk4", TimeIntegrator::rk4}};
   VelocityOptions& velocity = tracker.velocity;
   ProjectionOptions& projection = tracker.projection;
   FairingOptions& fairing = tracker.fairing;

@@ -189,6 +189,22 @@ std::string TomlTable::text(std::string_view key, const std::optional<std::strin
   return value->get();
 }
 
+std::vector<int> TomlTable::integers(std::string_view key, int lower, int upper,
+                                     const std::vector<int>& fallback) {
+  const toml::node* node = find(key);
+  if (!node) return fallback;
+  const std::string allowed = fmt::format("an array of whole numbers from {} to {}", lower, upper);
+  const toml::array* array = node->as_array();
+  if (!array || array->empty()) refuse(key, *node, allowed);
+  std::vector<int> found;
+  for (const toml::node& element : *array) {
+    const auto* value = element.as_integer();
+    if (!value || value->get() < lower || value->get() > upper) refuse(key, element, allowed);
+    found.push_back(static_cast<int>(value->get()));
+  }
+  return found;
+}
+
 std::vector<std::string> TomlTable::names(std::string_view key, std::span<const std::string_view> allowed,
                                           const std::vector<std::string>& fallback) {
   const toml::node* node = find(key);

@@ -63,6 +63,8 @@ class TomlTable {
   // So misspelt keys, which finish() reports first, are not taken for missing ones.
   double number(std::string_view key, const NumberRange& range, std::optional<double> fallback = {});
   int integer(std::string_view key, int lower, int upper, std::optional<int> fallback = {});
+  /// An array of whole numbers.
+  std::vector<int> integers(std::string_view key, int lower, int upper, const std::vector<int>& fallback);
   Vec3 vector(std::string_view key, std::string_view unit, const std::optional<Vec3>& fallback = {});
   /// A number, or nothing where the string `word` stands in its place.
   std::optional<double> number_or(std::string_view word, std::string_view key, const NumberRange& range,

@@ -1,4 +1,4 @@
-// Whether there is something to draw on. Apart from render.cpp because X11's macros break Eigen's headers.
+// Whether there is something to draw on. Apart from picture.cpp because X11's macros break Eigen's headers.
 #pragma once
 
 namespace kappaflow {

@@ -15,10 +15,12 @@
 #include "core/version.h"
 #include "surface/motion/velocity.h"
 #include "tools/check.h"
+#include "tools/experiments/experiment.h"
 #include "tools/probe.h"
 #include "tools/render.h"
 #include "tools/run.h"
 #include "tools/run_record.h"
+#include "tools/virtual_display.h"
 
 namespace {
 
@@ -93,6 +95,7 @@ struct CommandLine {
   std::filesystem::path check_scene;
   ProbeOptions probe;
   RenderOptions render;
+  ExperimentOptions experiment;
   int threads = 0;  // 0: all cores
 };
 
@@ -155,15 +158,39 @@ CLI::App* add_probe(CLI::App& app, CommandLine& line) {
 }
 
 CLI::App* add_render(CLI::App& app, CommandLine& line) {
-  CLI::App* render =
-      app.add_subcommand("render", "Draw the surfaces of a run side by side (needs a display)");
+  CLI::App* render = app.add_subcommand("render", "Draw the surfaces of a run side by side");
   render->add_option("DIR", line.render.folder, "Run folder")->required();
   render->add_option("--out", line.render.picture, "Picture (.png)")->required();
   render->add_option("--frame", line.render.frame, "Frame (default: the last one)")
       ->check(whole_number(0, 9999999));
   add_methods(*render, "--methods", line.render.methods, "Methods to draw (default: those of the run)");
-  render->footer(footer("xvfb-run -a kappaflow render out/staircase --out picture.png --frame 40"));
+  render->add_option("--columns", line.render.columns, "Panels a row (default: all in one row)")
+      ->check(whole_number(1, 100));
+  render->footer(footer("kappaflow render out/staircase --out picture.png --frame 40"));
   return render;
+}
+
+std::string experiment_lines() {
+  std::string text = "Experiments:\n";
+  for (const Experiment& experiment : experiments())
+    text += fmt::format("  {:<16} {}\n", experiment.name, experiment.summary);
+  return text + fmt::format("  {:<16} {}\n", "all", "all of them");
+}
+
+CLI::App* add_experiment(CLI::App& app, CommandLine& line) {
+  CLI::App* experiment = app.add_subcommand(
+      "experiment", "Repeat the paper's figures, with a report of what holds and what does not");
+  experiment->add_option("NAMES", line.experiment.names, "Experiments, see below")->required()->type_name("");
+  experiment->add_option("--out", line.experiment.folder, "Folder for report.html and the results")
+      ->required();
+  experiment->add_flag("--quick", line.experiment.quick, "A smaller variant of each, all in under a minute");
+  experiment->add_option("--scenes", line.experiment.scenes,
+                         "Folder with the experiments' files (default: those that came with the program)");
+  add_threads(*experiment, line);
+  experiment->add_flag("--force", line.experiment.force, "Replace the report that the folder already holds");
+  experiment->add_flag("--quiet", line.experiment.quiet, "Print errors only");
+  experiment->footer(experiment_lines() + "\n" + footer("kappaflow experiment fig4 fig5 --out out/figures"));
+  return experiment;
 }
 
 // CLI11 breaks some of its messages over lines.
@@ -173,7 +200,7 @@ std::string one_line(std::string text) {
   return text;
 }
 
-int execute(const CLI::App& app, CommandLine& line) {
+int execute(const CLI::App& app, CommandLine& line, char** argv) {
   if (line.threads == 0) line.threads = tbb::this_task_arena::max_concurrency();
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   static_cast<std::size_t>(line.threads));
@@ -185,7 +212,15 @@ int execute(const CLI::App& app, CommandLine& line) {
   }
   if (app.got_subcommand("check")) fmt::print("{}", check_text(load_scene(line.check_scene), line.threads));
   if (app.got_subcommand("probe")) fmt::print("{}", probe(line.probe));
-  if (app.got_subcommand("render")) render(line.render);
+  if (app.got_subcommand("render")) {
+    ensure_display(argv);
+    render(line.render);
+  }
+  if (app.got_subcommand("experiment")) {
+    ensure_display(argv);
+    line.experiment.threads = line.threads;
+    run_experiments(line.experiment);
+  }
   return 0;
 }
 
@@ -197,7 +232,7 @@ int parse_and_execute(int argc, char** argv) {
   app.footer(footer("kappaflow run scenes/staircase.toml"));
   app.require_subcommand(1);
   const std::vector<CLI::App*> commands{add_run(app, line), add_check(app, line), add_probe(app, line),
-                                        add_render(app, line)};
+                                        add_render(app, line), add_experiment(app, line)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help_or_version) {
@@ -209,7 +244,7 @@ int parse_and_execute(int argc, char** argv) {
     fmt::print(stderr, "kappaflow: error: {}; see {}\n", one_line(error.what()), help);
     return kExitUsage;
   }
-  return execute(app, line);
+  return execute(app, line, argv);
 }
 
 }  // namespace

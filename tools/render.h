@@ -12,6 +12,7 @@ struct RenderOptions {
   std::filesystem::path picture;     ///< .png
   int frame = -1;                    ///< -1: the last one that every chosen method has
   std::vector<std::string> methods;  ///< empty: all of the run
+  int columns = 0;                   ///< panels a row; 0: all in one row
 };
 
 /// Draws one panel a method, each from the same view, which is the same for all frames of a run.

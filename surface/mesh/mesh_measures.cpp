@@ -2,6 +2,8 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "core/errors.h"
@@ -12,6 +14,12 @@ namespace {
 
 double triangle_area(const Vec3& a, const Vec3& b, const Vec3& c) {
   return 0.5 * (b - a).cross(c - a).norm();
+}
+
+/// Longest edge over shortest altitude in units of the equilateral triangle's, whose is 2/sqrt(3).
+double aspect_ratio(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const double longest2 = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
+  return std::sqrt(3.0) / 2 * longest2 / (2 * triangle_area(a, b, c));
 }
 
 /// For every vertex the vertices that its outgoing edges lead to, ascending, in compressed rows. An outgoing
@@ -93,6 +101,37 @@ QualityRange triangle_qualities(std::span<const Vec3> position, std::span<const 
         return {std::min(a.min, b.min), a.mean + b.mean};
       });
   return {range.min, range.mean / static_cast<double>(triangles.size())};
+}
+
+TriangleDistortion triangle_distortion(std::span<const Vec3> position, std::span<const Vec3> rest_position,
+                                       std::span<const Triangle> triangles) {
+  if (triangles.empty()) return {};
+  const TriangleDistortion sums = parallel_reduce(
+      triangles.size(), TriangleDistortion{0, 0, std::numeric_limits<double>::infinity(), 0},
+      [&](std::size_t i) -> TriangleDistortion {
+        const auto& [a, b, c] = triangles[i];
+        const double area = triangle_area(position[a], position[b], position[c]);
+        const double ratio = area / triangle_area(rest_position[a], rest_position[b], rest_position[c]);
+        const double aspect = aspect_ratio(position[a], position[b], position[c]);
+        return {aspect, aspect, ratio, ratio};
+      },
+      [](const TriangleDistortion& a, const TriangleDistortion& b) -> TriangleDistortion {
+        return {a.aspect_mean + b.aspect_mean, std::max(a.aspect_max, b.aspect_max),
+                std::min(a.area_ratio_min, b.area_ratio_min), std::max(a.area_ratio_max, b.area_ratio_max)};
+      });
+  return {sums.aspect_mean / static_cast<double>(triangles.size()), sums.aspect_max, sums.area_ratio_min,
+          sums.area_ratio_max};
+}
+
+double folded_fraction(std::span<const Vec3> position, std::span<const Vec3> normal,
+                       std::span<const Triangle> triangles) {
+  if (triangles.empty()) return 0;
+  const double folded = parallel_sum(triangles.size(), 0.0, [&](std::size_t i) {
+    const auto& [a, b, c] = triangles[i];
+    const Vec3 facing = (position[b] - position[a]).cross(position[c] - position[a]);
+    return facing.dot(normal[a] + normal[b] + normal[c]) < 0 ? 1.0 : 0.0;
+  });
+  return folded / static_cast<double>(triangles.size());
 }
 
 MeshTopology mesh_topology(std::span<const Vec3> position, std::span<const Triangle> triangles) {

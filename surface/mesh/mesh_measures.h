@@ -31,6 +31,22 @@ struct QualityRange {
 };
 QualityRange triangle_qualities(std::span<const Vec3> position, std::span<const Triangle> triangles);
 
+/// How far triangles are from those they were at rest.
+struct TriangleDistortion {
+  /// Longest edge over shortest altitude, in units of the equilateral triangle's: 1 is best; infinite for a
+  /// degenerate triangle.
+  double aspect_mean = 1, aspect_max = 1;
+  double area_ratio_min = 1, area_ratio_max = 1;  ///< area over area at rest
+};
+/// Precondition: no triangle is degenerate at rest.
+TriangleDistortion triangle_distortion(std::span<const Vec3> position, std::span<const Vec3> rest_position,
+                                       std::span<const Triangle> triangles);
+
+/// Share of the triangles that have folded over: those that face away from the outward normals [unit vectors]
+/// at their corners, as their sum goes.
+double folded_fraction(std::span<const Vec3> position, std::span<const Vec3> normal,
+                       std::span<const Triangle> triangles);
+
 /// Connected pieces, and the total genus by Euler's formula V - E + F = 2 (components - genus).
 struct MeshTopology {
   int components = 0;

@@ -1,0 +1,112 @@
+#include "tools/experiments/experiment.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+
+#include "core/errors.h"
+#include "tools/experiments/rigid_figures.h"
+#include "tools/files.h"
+#include "tools/plot.h"
+#include "tools/timings.h"
+
+namespace kappaflow {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kReportFile = "report.md";
+
+const Experiment& experiment_named(std::string_view name) {
+  for (const Experiment& experiment : experiments())
+    if (experiment.name == name) return experiment;
+  std::string names = "all";
+  for (const Experiment& experiment : experiments()) names += fmt::format(", {}", experiment.name);
+  throw InvalidInput(fmt::format("unknown experiment \"{}\"; experiments are {}", name, names));
+}
+
+std::vector<const Experiment*> chosen(const ExperimentOptions& options) {
+  std::vector<const Experiment*> result;
+  const auto add = [&](const Experiment& experiment) {
+    if (std::ranges::find(result, &experiment) == result.end()) result.push_back(&experiment);
+  };
+  for (const std::string& name : options.names) {
+    if (name != "all") {
+      add(experiment_named(name));
+      continue;
+    }
+    for (const Experiment& experiment : experiments()) add(experiment);
+  }
+  return result;
+}
+
+/// The folder of the installed scenes beside the program, or that of the source tree.
+fs::path default_scenes() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  const fs::path installed = program.parent_path().parent_path() / "share/kappaflow/scenes";
+  return !error && fs::is_directory(installed) ? installed : fs::path(KAPPAFLOW_SCENES_DIR);
+}
+
+Report with_folder(Report report, const std::string& folder) {
+  for (Figure& figure : report.figures) figure.file = folder + "/" + figure.file;
+  for (std::string& file : report.files) file = folder + "/" + file;
+  return report;
+}
+
+}  // namespace
+
+void ExperimentContext::say(const std::string& text) const {
+  if (options.quiet) return;
+  // On a terminal one line that changes; in a log nothing but the experiments themselves.
+  if (isatty(STDERR_FILENO) == 1) fmt::print(stderr, "\r\033[K{}: {}", name, text);
+  std::fflush(stderr);
+}
+
+std::span<const Experiment> experiments() {
+  static constexpr std::array table{
+      Experiment{"fig3", "experiments/fig3.toml", "one particle in a straight line: the triangles",
+                 experiment_fig3},
+      Experiment{"fig4", "experiments/fig4.toml", "three particles, three turns, with fairing",
+                 experiment_fig4},
+      Experiment{"fig5", "experiments/fig5.toml", "their error against the number of fairing iterations",
+                 experiment_fig5},
+      Experiment{"fig7", "experiments/fig7.toml", "one particle, thirty turns: the meshes (Figs. 6 and 7)",
+                 experiment_fig7},
+      Experiment{"fig8", "experiments/fig8.toml", "one particle, thirty turns: the error turn by turn",
+                 experiment_fig8},
+      Experiment{"body", "experiments/body.toml", "seven unequal particles, ten turns: features everywhere",
+                 experiment_body},
+  };
+  return table;
+}
+
+void run_experiments(const ExperimentOptions& options) {
+  const std::vector<const Experiment*> list = chosen(options);
+  if (fs::exists(options.folder / kReportFile) && !options.force)
+    throw InvalidInput(
+        fmt::format("{} already holds a report; --force replaces it", options.folder.string()));
+  require_gnuplot();
+  const fs::path scenes = options.scenes.empty() ? default_scenes() : options.scenes;
+  std::vector<Report> reports;
+  for (const Experiment* experiment : list) {
+    const std::string name(experiment->name);
+    make_folder(options.folder / name);
+    const ExperimentContext context{options, scenes / experiment->file, options.folder / name, name};
+    const Stopwatch watch;
+    Report report = with_folder(experiment->run(context), name);
+    report.seconds = watch.seconds();
+    context.say("");
+    if (!options.quiet) fmt::print("{:<12} {:7.1f} s  {}\n", name, report.seconds, experiment->summary);
+    std::fflush(stdout);
+    reports.push_back(std::move(report));
+    // After each: whoever waits can read, and an interrupt loses the experiment in hand only.
+    write_report(options.folder, options.quick ? "kappaflow experiments (quick)" : "kappaflow experiments",
+                 reports);
+  }
+  if (!options.quiet) fmt::print("{}\n", (options.folder / "report.html").string());
+}
+
+}  // namespace kappaflow

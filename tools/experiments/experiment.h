@@ -1,0 +1,55 @@
+// `kappaflow experiment`: the figures of Fujisawa, Mandachi & Miura (2011) with numbers beside the pictures.
+//
+// To add an experiment, write one function of type ExperimentFunction and add its row to the table in
+// experiment.cpp.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tools/report.h"
+
+namespace kappaflow {
+
+struct ExperimentOptions {
+  std::vector<std::string> names;  ///< of experiments, or "all"
+  std::filesystem::path folder;    ///< for the results
+  std::filesystem::path scenes;    ///< where the experiments' files lie; empty: those of the program
+  bool quick = false;              ///< the smaller variant that each experiment's file describes
+  bool exact = false;              ///< "all" includes enright-exact
+  bool force = false;              ///< replace the results that the folder already holds
+  bool quiet = false;              ///< print errors only
+  int threads = 1;
+};
+
+/// What an experiment function gets.
+struct ExperimentContext {
+  const ExperimentOptions& options;
+  std::filesystem::path file;    ///< of its options or its scene
+  std::filesystem::path folder;  ///< for its results
+  std::string name;
+  /// Says on the terminal what is being done.
+  void say(const std::string& text) const;
+};
+
+/// Runs one experiment, writes its files into context.folder, and fills in its chapter; names of files in the
+/// chapter are relative to context.folder.
+using ExperimentFunction = Report (*)(const ExperimentContext&);
+
+struct Experiment {
+  std::string_view name;
+  std::string_view file;     ///< relative to the folder of scenes
+  std::string_view summary;  ///< one line for help texts
+  ExperimentFunction run;
+};
+
+std::span<const Experiment> experiments();
+
+/// Runs the experiments and writes report.md and report.html. Throws InvalidInput for an unknown name or a
+/// folder that holds a report already, IoError, and what the experiments throw.
+void run_experiments(const ExperimentOptions& options);
+
+}  // namespace kappaflow

@@ -1,0 +1,36 @@
+// Pictures of surfaces side by side, drawn with VTK.
+#pragma once
+
+#include <vtkPolyData.h>
+#include <vtkSmartPointer.h>
+
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include "core/types.h"
+
+namespace kappaflow {
+
+/// One surface of a picture.
+struct Panel {
+  std::string title;                     ///< above it
+  vtkSmartPointer<vtkPolyData> surface;  ///< in the colours of its point array "checker"
+};
+
+/// How a picture looks; the same view in every panel.
+struct PictureStyle {
+  int columns = 0;                            ///< panels a row; 0: all in one row
+  int panel_width = 900, panel_height = 800;  ///< [pixels]
+  bool edges = false;                         ///< draw the triangles' edges
+  Vec3 from{0.9, 0.65, 1};                    ///< direction from the subject to the viewer
+  Vec3 up{0, 1, 0};                           ///< what points up in the picture
+};
+
+/// Draws the panels, each with `boundary` (may be null) around its surface, so that `subject` fills a panel.
+/// Throws InvalidInput unless the file's name ends in .png, IoError where there is no display or the file
+/// cannot be written.
+void draw_picture(const std::filesystem::path& file, std::span<const Panel> panels, vtkPolyData* boundary,
+                  vtkPolyData& subject, const PictureStyle& style);
+
+}  // namespace kappaflow

@@ -1,0 +1,117 @@
+#include "tools/plot.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+
+#include "core/errors.h"
+#include "tools/files.h"
+
+extern char** environ;
+
+namespace kappaflow {
+namespace {
+
+constexpr int kPlotWidth = 760, kPlotHeight = 560;  // [pixels]
+
+// Colours that the colour-blind tell apart (Okabe & Ito 2008).
+constexpr const char* kColours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
+                                    "#56b4e9", "#e69f00", "#000000", "#999933"};
+
+std::string quoted(const std::string& text) {
+  std::string result = "'";
+  for (const char c : text) result += c == '\'' ? "''" : std::string(1, c);
+  return result + "'";
+}
+
+std::string data_name(std::size_t plot, std::size_t curve) {
+  return fmt::format("$plot{}_curve{}", plot, curve);
+}
+
+std::string data_block(const std::string& name, const Curve& curve, bool log_y) {
+  std::string block = name + " << END\n";
+  for (const Vec2& p : curve.points) {
+    const bool drawn = p.allFinite() && (!log_y || p.y() > 0);
+    block += drawn ? fmt::format("{:.10g} {:.10g}\n", p.x(), p.y()) : "\n";
+  }
+  return block + "END\n";
+}
+
+std::string plot_command(std::size_t index, const Plot& plot) {
+  std::string script = fmt::format("set title {}\nset xlabel {}\nset ylabel {}\n", quoted(plot.title),
+                                   quoted(plot.x_label), quoted(plot.y_label));
+  script += plot.log_y ? "set logscale y\nset format y '10^{%L}'\n" : "unset logscale y\nset format y '%g'\n";
+  script += "plot ";
+  if (plot.guide != 0)
+    script += fmt::format("{:.10g} with lines lc rgb '#777777' dt 2 notitle, ", plot.guide);
+  for (std::size_t c = 0; c < plot.curves.size(); ++c) {
+    // Few points are marked; many make a line.
+    const char* style = plot.curves[c].points.size() <= 31 ? "linespoints pt 7 ps 0.7" : "lines";
+    script += fmt::format("{}{} with {} lw 2 lc rgb '{}' title {}", c == 0 ? "" : ", ", data_name(index, c),
+                          style, kColours[c % std::size(kColours)], quoted(plot.curves[c].title));
+  }
+  return script + "\n";
+}
+
+std::string plot_script(const std::string& name, std::span<const Plot> plots) {
+  std::string script = fmt::format("# gnuplot {0}.gp draws {0}.png\n", name);
+  for (std::size_t p = 0; p < plots.size(); ++p)
+    for (std::size_t c = 0; c < plots[p].curves.size(); ++c)
+      script += data_block(data_name(p, c), plots[p].curves[c], plots[p].log_y);
+  script += fmt::format("set terminal pngcairo size {},{} font 'sans,13' noenhanced\n",
+                        kPlotWidth * plots.size(), kPlotHeight);
+  // The powers of ten on a logarithmic axis are the one place that needs markup.
+  script += "set xtics noenhanced\nset ytics enhanced\nset grid lc rgb '#dddddd'\nset key top left\n";
+  script += fmt::format("if (!exists('picture')) picture = '{}.png'\nset output picture\n", name);
+  script += fmt::format("set multiplot layout 1,{}\n", plots.size());
+  for (std::size_t p = 0; p < plots.size(); ++p) script += plot_command(p, plots[p]);
+  return script + "unset multiplot\nset output\n";
+}
+
+// Returns the exit status, 127 where the program is not there.
+int run_gnuplot(std::vector<std::string> words, const std::filesystem::path& folder) {
+  words.insert(words.begin(), "gnuplot");
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  pid_t child = 0;
+  const int failed = posix_spawnp(&child, argv[0], &actions, nullptr, argv.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (failed != 0) return 127;
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+}  // namespace
+
+void draw_plots(const std::filesystem::path& folder, const std::string& name, std::span<const Plot> plots) {
+  write_file(folder / (name + ".gp"), plot_script(name, plots));
+  const std::filesystem::path unfinished = name + ".png.tmp";
+  const int status =
+      run_gnuplot({"-e", fmt::format("picture = '{}'", unfinished.string()), name + ".gp"}, folder);
+  if (status != 0)
+    throw IoError((folder / (name + ".gp")).string(), fmt::format("gnuplot failed with status {}", status));
+  std::error_code error;
+  std::filesystem::rename(folder / unfinished, folder / (name + ".png"), error);
+  if (error) throw IoError((folder / (name + ".png")).string(), "cannot be written: " + error.message());
+}
+
+void require_gnuplot() {
+  if (run_gnuplot({"--version"}, "/") != 0)
+    throw IoError("gnuplot", "cannot be run; it draws the plots: apt-get install gnuplot-nox");
+}
+
+}  // namespace kappaflow
