@@ -56,10 +56,18 @@ SurfaceMetrics surface_metrics(const Field& field, const TriangleMesh& mesh, con
   metrics.quality = triangle_qualities(mesh.position, mesh.triangles);
   metrics.size = area_and_volume(mesh.position, mesh.triangles);
   metrics.slip = slip(state);
-  metrics.rotation_captured = rotation_captured(mesh, rings, state, report_axis);
+  metrics.pieces = rotation_by_piece(mesh, rings, state, report_axis);
+  metrics.rotation_captured = largest_piece_rotation(metrics.pieces);
   metrics.topology = mesh_topology(mesh.position, mesh.triangles);
   metrics.unprojected = static_cast<std::size_t>(std::ranges::count(mesh.unprojected, char{1}));
+  metrics.folded_fraction = folded_fraction(mesh.position, state.normal, mesh.triangles);
   return metrics;
+}
+
+bool SurfaceMetrics::sound(const FrameMetrics& frame) const {
+  return unprojected == 0 && folded_fraction <= kSoundFolded &&
+         std::abs(size.volume - frame.isosurface_volume) <= kSoundVolume * frame.isosurface_volume &&
+         topology.components == frame.isosurface.components && topology.genus == frame.isosurface.genus;
 }
 
 std::string metrics_header() {
@@ -67,7 +75,8 @@ std::string metrics_header() {
          "triangles,"
          "residual_max,quality_min,quality_mean,area,volume,isosurface_volume,slip,rotation_captured,tracer_"
          "distance,"
-         "components,genus,isosurface_components,isosurface_genus,kept_fraction,unprojected\n";
+         "components,genus,isosurface_components,isosurface_genus,kept_fraction,unprojected,folded_"
+         "fraction\n";
 }
 
 std::string metrics_row(const FrameMetrics& f, const std::string& method, const SurfaceMetrics& s) {
@@ -76,10 +85,22 @@ std::string metrics_row(const FrameMetrics& f, const std::string& method, const 
          fmt::format("{},{},{:.12g},{:.12g},{:.12g},{:.12g},{:.12g},{:.12g},", s.vertices, s.triangles,
                      s.residual_max, s.quality.min, s.quality.mean, s.size.area, s.size.volume,
                      f.isosurface_volume) +
-         fmt::format("{},{},{},{},{},{},{},{:.12g},{}\n", optional_number(s.slip),
+         fmt::format("{},{},{},{},{},{},{},{:.12g},{},{:.12g}\n", optional_number(s.slip),
                      optional_number(s.rotation_captured), optional_number(s.tracer_distance),
                      s.topology.components, s.topology.genus, f.isosurface.components, f.isosurface.genus,
-                     s.kept_fraction, s.unprojected);
+                     s.kept_fraction, s.unprojected, s.folded_fraction);
+}
+
+std::string pieces_header() {
+  return "frame,time,method,piece,vertices,rotation_captured\n";
+}
+
+std::string pieces_rows(const FrameMetrics& f, const std::string& method, const SurfaceMetrics& s) {
+  std::string rows;
+  for (std::size_t p = 0; p < s.pieces.size(); ++p)
+    rows += fmt::format("{},{:.12g},{},{},{},{}\n", f.frame, f.time, method, p, s.pieces[p].vertices,
+                        optional_number(s.pieces[p].captured));
+  return rows;
 }
 
 }  // namespace kappaflow

@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "core/particles.h"
 #include "scenes/wall_distance.h"
@@ -33,13 +34,22 @@ struct SurfaceMetrics {
   QualityRange quality;
   AreaAndVolume size;
   std::optional<double> slip;               ///< see slip()
-  std::optional<double> rotation_captured;  ///< see rotation_captured()
+  std::vector<PieceRotation> pieces;        ///< see rotation_by_piece()
+  std::optional<double> rotation_captured;  ///< of the largest piece
   std::optional<double> tracer_distance;    ///< mean distance of a vertex from its material tracer, in sigma
   MeshTopology topology;
   /// Share of the initial mesh's vertices that the mesh still has; the rest fell to edits.
   double kept_fraction = 1;
   std::size_t unprojected = 0;  ///< vertices that are not on the surface
+  double folded_fraction = 0;   ///< see folded_fraction()
+
+  /// Whether the mesh stands for the surface at all: every vertex on it, hardly a triangle folded over, the
+  /// volume and the topology of a fresh isosurface.
+  bool sound(const FrameMetrics& frame) const;
 };
+
+inline constexpr double kSoundFolded = 1e-3;  ///< largest share of folded triangles of a sound mesh
+inline constexpr double kSoundVolume = 0.02;  ///< largest relative difference of its volume
 
 /// Depth of the deepest particle centre inside a solid over `spacing` [m]; 0 when all are outside.
 double penetration_max(std::span<const Vec3> position, const WallDistance& walls, double spacing);
@@ -64,5 +74,9 @@ SurfaceMetrics surface_metrics(const Field& field, const TriangleMesh& mesh, con
 /// One line each, with the line's end; numbers to 12 digits, empty where there is no value.
 std::string metrics_header();
 std::string metrics_row(const FrameMetrics& frame, const std::string& method, const SurfaceMetrics& surface);
+
+/// The same of pieces.csv: a line for each connected piece.
+std::string pieces_header();
+std::string pieces_rows(const FrameMetrics& frame, const std::string& method, const SurfaceMetrics& surface);
 
 }  // namespace kappaflow

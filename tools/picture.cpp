@@ -134,7 +134,7 @@ void write_png(vtkRenderWindow& window, const std::filesystem::path& file) {
 }  // namespace
 
 void draw_picture(const std::filesystem::path& file, std::span<const Panel> panels, vtkPolyData* boundary,
-                  vtkPolyData& subject, const PictureStyle& style) {
+                  vtkPolyData* subject, const PictureStyle& style) {
   if (file.extension() != ".png")
     throw InvalidInput(fmt::format("found \"{}\"; expected a file name that ends in .png", file.string()));
   // VTK aborts the program when there is no display: ask first.
@@ -152,7 +152,9 @@ void draw_picture(const std::filesystem::path& file, std::span<const Panel> pane
     renderer->SetViewport(column / columns, row / rows, (column + 1) / columns, (row + 1) / rows);
     renderer->SetBackground(1, 1, 1);
     window->AddRenderer(renderer);  // first: the view depends on the panel's shape
-    if (p < count) fill_panel(*renderer, panels[p], boundary, subject, style);
+    if (p >= count) continue;
+    vtkPolyData& filling = subject != nullptr ? *subject : *panels[p].surface;
+    fill_panel(*renderer, panels[p], boundary, filling, style);
   }
   window->Render();
   write_png(*window, file);

@@ -27,10 +27,11 @@ struct PictureStyle {
   Vec3 up{0, 1, 0};                           ///< what points up in the picture
 };
 
-/// Draws the panels, each with `boundary` (may be null) around its surface, so that `subject` fills a panel.
+/// Draws the panels, each with `boundary` (may be null) around its surface, so that `subject` fills a panel;
+/// where that is null, so that each surface fills its own.
 /// Throws InvalidInput unless the file's name ends in .png, IoError where there is no display or the file
 /// cannot be written.
 void draw_picture(const std::filesystem::path& file, std::span<const Panel> panels, vtkPolyData* boundary,
-                  vtkPolyData& subject, const PictureStyle& style);
+                  vtkPolyData* subject, const PictureStyle& style);
 
 }  // namespace kappaflow

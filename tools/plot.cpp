@@ -47,15 +47,18 @@ std::string data_block(const std::string& name, const Curve& curve, bool log_y) 
 std::string plot_command(std::size_t index, const Plot& plot) {
   std::string script = fmt::format("set title {}\nset xlabel {}\nset ylabel {}\n", quoted(plot.title),
                                    quoted(plot.x_label), quoted(plot.y_label));
-  script += plot.log_y ? "set logscale y\nset format y '10^{%L}'\n" : "unset logscale y\nset format y '%g'\n";
+  script += plot.log_y ? "set logscale y\nset format y '%.0e'\n" : "unset logscale y\nset format y '%g'\n";
   script += "plot ";
   if (plot.guide != 0)
     script += fmt::format("{:.10g} with lines lc rgb '#777777' dt 2 notitle, ", plot.guide);
   for (std::size_t c = 0; c < plot.curves.size(); ++c) {
     // Few points are marked; many make a line.
     const char* style = plot.curves[c].points.size() <= 31 ? "linespoints pt 7 ps 0.7" : "lines";
-    script += fmt::format("{}{} with {} lw 2 lc rgb '{}' title {}", c == 0 ? "" : ", ", data_name(index, c),
-                          style, kColours[c % std::size(kColours)], quoted(plot.curves[c].title));
+    // Dashes on every other curve, so that of two that coincide both are seen.
+    const int dashes = c % 2 == 0 ? 1 : 2;
+    script +=
+        fmt::format("{}{} with {} lw 2 dt {} lc rgb '{}' title {}", c == 0 ? "" : ", ", data_name(index, c),
+                    style, dashes, kColours[c % std::size(kColours)], quoted(plot.curves[c].title));
   }
   return script + "\n";
 }
@@ -67,8 +70,7 @@ std::string plot_script(const std::string& name, std::span<const Plot> plots) {
       script += data_block(data_name(p, c), plots[p].curves[c], plots[p].log_y);
   script += fmt::format("set terminal pngcairo size {},{} font 'sans,13' noenhanced\n",
                         kPlotWidth * plots.size(), kPlotHeight);
-  // The powers of ten on a logarithmic axis are the one place that needs markup.
-  script += "set xtics noenhanced\nset ytics enhanced\nset grid lc rgb '#dddddd'\nset key top left\n";
+  script += "set grid lc rgb '#dddddd'\nset key below\n";
   script += fmt::format("if (!exists('picture')) picture = '{}.png'\nset output picture\n", name);
   script += fmt::format("set multiplot layout 1,{}\n", plots.size());
   for (std::size_t p = 0; p < plots.size(); ++p) script += plot_command(p, plots[p]);

@@ -79,7 +79,7 @@ void render(const RenderOptions& options) {
   // What fills the picture: the walls, or without walls the first surface at the start; the same in every
   // frame of a run.
   const auto subject = walls ? walls : read_vtp(options.folder / surface_file(methods.front(), 0));
-  draw_picture(options.picture, panels, walls, *subject, {.columns = options.columns});
+  draw_picture(options.picture, panels, walls, subject, {.columns = options.columns});
 }
 
 }  // namespace kappaflow

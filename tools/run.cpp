@@ -81,18 +81,19 @@ class FrameWriter {
     write_particles(frame);
     const double shared_seconds = shared_watch.seconds();
 
-    std::string metrics_rows, timings_rows;
+    FrameRows rows;
     summary.methods.resize(simulation_.trackers().size());
     for (std::size_t m = 0; m < simulation_.trackers().size(); ++m) {
       const Stopwatch watch;
       const std::string method(simulation_.trackers()[m].method().name);
       const SurfaceMetrics metrics = write_surface(frame, time, m, since_frame.residual_max[m]);
       since_frame.seconds[m].output = shared_seconds + watch.seconds();
-      metrics_rows += metrics_row(frame_metrics, method, metrics);
-      timings_rows += timings_row(frame, time, method, since_frame.seconds[m]);
+      rows.metrics += metrics_row(frame_metrics, method, metrics);
+      rows.pieces += pieces_rows(frame_metrics, method, metrics);
+      rows.timings += timings_row(frame, time, method, since_frame.seconds[m]);
       summary.methods[m].add_frame(method, metrics, since_frame.seconds[m]);
     }
-    folder_.finish_frame(time, metrics_rows, timings_rows);
+    folder_.finish_frame(time, rows);
     summary.add_frame(frame_metrics, since_frame.tracer_seconds, shared_seconds);
   }
 
@@ -147,7 +148,7 @@ class FrameWriter {
 
 }  // namespace
 
-int run(const RunOptions& options) {
+RunSummary run_scene(const RunOptions& options) {
   const InterruptGuard interrupt_guard;
   const Stopwatch watch;
   const Scene scene = load_scene_for(options);
@@ -174,11 +175,18 @@ int run(const RunOptions& options) {
   }
   summary.steps = simulation.steps();
   summary.wall_seconds = watch.seconds();
-  if (!options.quiet)
-    fmt::print("{}", summary_text(summary, scene, simulation.field_options(), folder.path()));
-  if (!interrupted) return 0;
+  summary.interrupted = interrupted != 0;
+  summary.interrupted_at = simulation.fluid().time();
+  summary.text = summary_text(summary, scene, simulation.field_options(), folder.path());
+  return summary;
+}
+
+int run(const RunOptions& options) {
+  const RunSummary summary = run_scene(options);
+  if (!options.quiet) fmt::print("{}", summary.text);
+  if (!summary.interrupted) return 0;
   fmt::print(stderr, "kappaflow: interrupted at t = {:.6g} s; {} frames are complete\n",
-             simulation.fluid().time(), summary.frames);
+             summary.interrupted_at, summary.frames.size());
   return kExitInterrupted;
 }
 

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "tools/summary.h"
+
 namespace kappaflow {
 
 struct RunOptions {
@@ -15,11 +17,14 @@ struct RunOptions {
   std::optional<double> duration;    ///< instead of the scene's [s]
   int threads = 1;
   bool force = false;                ///< replace a run that the folder already holds
-  bool quiet = false;                ///< print errors only
+  bool quiet = false;                ///< no progress, no summary
   std::vector<std::string> command;  ///< the command line, for run.json
 };
 
-/// Returns the exit code: 0, or 130 after an interrupt (SIGINT), which ends the run after the current step.
+/// Runs a scene and writes its folder; an interrupt (SIGINT) ends it after the current step.
+RunSummary run_scene(const RunOptions& options);
+
+/// The same, saying what became of it. Returns the exit code: 0, or 130 after an interrupt.
 int run(const RunOptions& options);
 
 }  // namespace kappaflow

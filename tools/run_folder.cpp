@@ -15,6 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kMetricsFile = "metrics.csv";
+constexpr const char* kPiecesFile = "pieces.csv";
 constexpr const char* kTimingsFile = "timings.csv";
 
 bool is_surface_name(const std::string& name) {
@@ -28,7 +29,8 @@ bool is_data_folder(const fs::directory_entry& entry) {
 
 bool is_run_file(const fs::directory_entry& entry) {
   const std::string name = entry.path().filename().string();
-  if (name == kRecordFile || name == kMetricsFile || name == kTimingsFile || name == kBoundaryFile)
+  if (name == kRecordFile || name == kMetricsFile || name == kPiecesFile || name == kTimingsFile ||
+      name == kBoundaryFile)
     return true;
   return entry.path().extension() == ".pvd" &&
          (name == "run.pvd" || name == "particles.pvd" || is_surface_name(name));
@@ -78,6 +80,7 @@ RunFolder::RunFolder(fs::path folder, std::vector<std::string> methods, bool for
   make_folder(folder_ / "particles");
   for (const std::string& method : methods_) make_folder(folder_ / ("surface-" + method));
   write_file(folder_ / kMetricsFile, metrics_header());
+  write_file(folder_ / kPiecesFile, pieces_header());
   write_file(folder_ / kTimingsFile, timings_header());
 }
 
@@ -98,11 +101,12 @@ void RunFolder::write_surface(int frame, const std::string& method, vtkPolyData&
   write_vtp(folder_ / surface_file(method, frame), data);
 }
 
-void RunFolder::finish_frame(double time, const std::string& metrics_rows, const std::string& timings_rows) {
+void RunFolder::finish_frame(double time, const FrameRows& rows) {
   times_.push_back(time);
   write_collections();
-  append_lines(folder_ / kMetricsFile, metrics_rows);
-  append_lines(folder_ / kTimingsFile, timings_rows);
+  append_lines(folder_ / kMetricsFile, rows.metrics);
+  append_lines(folder_ / kPiecesFile, rows.pieces);
+  append_lines(folder_ / kTimingsFile, rows.timings);
 }
 
 void RunFolder::write_collections() const {

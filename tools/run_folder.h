@@ -9,8 +9,13 @@
 
 namespace kappaflow {
 
+/// What a frame adds to the tables; whole lines.
+struct FrameRows {
+  std::string metrics, pieces, timings;
+};
+
 /// A run folder:
-///   run.json  metrics.csv  timings.csv  boundary.vtp  run.pvd
+///   run.json  metrics.csv  pieces.csv  timings.csv  boundary.vtp  run.pvd
 ///   particles.pvd  particles/particles_0000.vtp ...
 ///   surface-<method>.pvd  surface-<method>/surface_0000.vtp ...
 /// Whatever is there under these names is complete and listed in the .pvd files, at any moment of the run.
@@ -28,7 +33,7 @@ class RunFolder {
   void write_particles(int frame, vtkPolyData& data);
   void write_surface(int frame, const std::string& method, vtkPolyData& data);
   /// Lists the frame's files at `time` [s] in the .pvd files and appends its rows to the tables.
-  void finish_frame(double time, const std::string& metrics_rows, const std::string& timings_rows);
+  void finish_frame(double time, const FrameRows& rows);
 
  private:
   void write_collections() const;

@@ -9,19 +9,17 @@
 namespace kappaflow {
 namespace {
 
-/// The upper median: rotation_captured is a ratio, and one frame in which the material hardly turns would
-/// spoil a mean.
-std::string median(std::vector<double> values) {
-  if (values.empty()) return "-";
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return fmt::format("{:.4f}", *middle);
+std::string median_text(std::span<const SurfaceMetrics> frames,
+                        std::optional<double> SurfaceMetrics::*member) {
+  const std::optional<double> value = median(over_frames(frames, member));
+  return value ? fmt::format("{:.4f}", *value) : "-";
 }
 
 std::string run_lines(const RunSummary& s, const Scene& scene, const ParticleFieldOptions& field) {
   return fmt::format(
              "{}\n  {} particles, {} frames, {} steps to t = {:.4g} s; threshold {:.6g}, sigma {:.4g} m\n",
-             scene.title, s.last.particles, s.frames, s.steps, s.last.time, field.threshold, field.sigma) +
+             scene.title, s.frames.back().particles, s.frames.size(), s.steps, s.frames.back().time,
+             field.threshold, field.sigma) +
          fmt::format(
              "  deepest particle {:.3f} spacings inside a wall; compression mean {:.2e}, max {:.2e}\n",
              s.penetration_max, s.density_error_mean, s.density_error_max);
@@ -45,10 +43,12 @@ std::string method_table(const RunSummary& s) {
       fmt::format("\n  {:<16}{:>9}{:>13}{:>12}{:>12}{:>10}{:>10}{:>10}{:>13}\n", "method", "vertices",
                   "quality min", "mean", "residual", "volume", "slip", "rotation", "unprojected");
   for (const MethodSummary& m : s.methods) {
-    const double volume_error = m.last.size.volume / s.last.isosurface_volume - 1;
+    const SurfaceMetrics& last = m.frames.back();
+    const double volume_error = last.size.volume / s.frames.back().isosurface_volume - 1;
     text += fmt::format("  {:<16}{:>9}{:>13.4f}{:>12.4f}{:>12.1e}{:>+9.2f}%{:>10}{:>10}{:>13}\n", m.name,
-                        m.last.vertices, m.last.quality.min, m.last.quality.mean, m.residual_max,
-                        100 * volume_error, median(m.slips), median(m.rotations), m.last.unprojected);
+                        last.vertices, last.quality.min, last.quality.mean, m.residual_max(),
+                        100 * volume_error, median_text(m.frames, &SurfaceMetrics::slip),
+                        median_text(m.frames, &SurfaceMetrics::rotation_captured), last.unprojected);
   }
   return text +
          "  quality, unprojected: at the end; residual: largest, in sigma; volume: against a fresh "
@@ -61,10 +61,7 @@ std::string method_table(const RunSummary& s) {
 void MethodSummary::add_frame(const std::string& method, const SurfaceMetrics& metrics,
                               const PhaseSeconds& frame_seconds) {
   name = method;
-  last = metrics;
-  residual_max = std::max(residual_max, metrics.residual_max);
-  if (metrics.slip) slips.push_back(*metrics.slip);
-  if (metrics.rotation_captured) rotations.push_back(*metrics.rotation_captured);
+  frames.push_back(metrics);
   seconds.solver += frame_seconds.solver;
   seconds.velocity += frame_seconds.velocity;
   seconds.fairing += frame_seconds.fairing;
@@ -72,14 +69,36 @@ void MethodSummary::add_frame(const std::string& method, const SurfaceMetrics& m
   seconds.output += frame_seconds.output;
 }
 
+double MethodSummary::residual_max() const {
+  double largest = 0;
+  for (const SurfaceMetrics& frame : frames) largest = std::max(largest, frame.residual_max);
+  return largest;
+}
+
 void RunSummary::add_frame(const FrameMetrics& metrics, double tracers, double shared_output) {
-  last = metrics;
+  frames.push_back(metrics);
   penetration_max = std::max(penetration_max, metrics.penetration_max);
   density_error_mean = std::max(density_error_mean, metrics.density_error_mean);
   density_error_max = std::max(density_error_max, metrics.density_error_max);
   tracer_seconds += tracers;
   shared_output_seconds += shared_output;
-  ++frames;
+}
+
+std::optional<double> median(std::span<const std::optional<double>> values) {
+  std::vector<double> known;
+  for (const std::optional<double>& value : values)
+    if (value) known.push_back(*value);
+  if (known.empty()) return std::nullopt;
+  const auto middle = known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);
+  std::nth_element(known.begin(), middle, known.end());
+  return *middle;
+}
+
+std::vector<std::optional<double>> over_frames(std::span<const SurfaceMetrics> frames,
+                                               std::optional<double> SurfaceMetrics::*member) {
+  std::vector<std::optional<double>> values;
+  for (const SurfaceMetrics& frame : frames) values.push_back(frame.*member);
+  return values;
 }
 
 std::string summary_text(const RunSummary& summary, const Scene& scene, const ParticleFieldOptions& field,

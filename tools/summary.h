@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,11 +16,10 @@ namespace kappaflow {
 /// One method over the whole run.
 struct MethodSummary {
   std::string name;
-  SurfaceMetrics last;            ///< of the last frame
-  double residual_max = 0;        ///< largest of all frames [sigma]
-  std::vector<double> slips;      ///< of the frames that have one
-  std::vector<double> rotations;  ///< likewise
-  PhaseSeconds seconds;           ///< summed over the frames
+  std::vector<SurfaceMetrics> frames;
+  PhaseSeconds seconds;  ///< summed over the frames
+
+  double residual_max() const;  ///< largest of all frames [sigma]
 
   void add_frame(const std::string& method, const SurfaceMetrics& metrics, const PhaseSeconds& frame_seconds);
 };
@@ -26,16 +27,26 @@ struct MethodSummary {
 /// The whole run.
 struct RunSummary {
   std::vector<MethodSummary> methods;
-  FrameMetrics last;
+  std::vector<FrameMetrics> frames;  ///< the finished ones, the first included
   double penetration_max = 0, density_error_mean = 0, density_error_max = 0;  ///< largest of all frames
-  int frames = 0;         ///< finished ones, the first included
-  std::size_t steps = 0;  ///< of the solver
+  std::size_t steps = 0;                                                      ///< of the solver
   double setup_seconds = 0, tracer_seconds = 0, shared_output_seconds = 0;
   double wall_seconds = 0;
+  bool interrupted = false;   ///< by SIGINT
+  double interrupted_at = 0;  ///< [s] of the simulation
+  std::string text;           ///< see summary_text()
 
   void add_frame(const FrameMetrics& metrics, double tracers, double shared_output);
 };
 
+/// The upper median of the values that there are; nullopt where there are none. Rotation captured is a ratio,
+/// and one frame in which the material hardly turns would spoil a mean.
+std::optional<double> median(std::span<const std::optional<double>> values);
+/// One member of SurfaceMetrics over the frames.
+std::vector<std::optional<double>> over_frames(std::span<const SurfaceMetrics> frames,
+                                               std::optional<double> SurfaceMetrics::*member);
+
+/// For the terminal.
 std::string summary_text(const RunSummary& summary, const Scene& scene, const ParticleFieldOptions& field,
                          const std::filesystem::path& folder);
 

@@ -61,19 +61,15 @@ double mean_square(std::span<const double> area, const auto& square) {
   return sum[1] > 0 ? sum[0] / sum[1] : 0;
 }
 
-/// The vertices of the piece with the most vertices; of the first such piece.
-std::vector<int> largest_piece(const VertexRings& rings) {
+/// The vertices of every connected piece.
+std::vector<std::vector<int>> pieces_of(const VertexRings& rings) {
   const std::vector<int> component = vertex_components(rings);
-  std::vector<int> size;
-  for (const int c : component) {
-    if (c == static_cast<int>(size.size())) size.push_back(0);
-    ++size[c];
+  std::vector<std::vector<int>> pieces;
+  for (int v = 0; v < static_cast<int>(component.size()); ++v) {
+    if (component[v] == static_cast<int>(pieces.size())) pieces.emplace_back();
+    pieces[component[v]].push_back(v);
   }
-  const int largest = static_cast<int>(std::ranges::max_element(size) - size.begin());
-  std::vector<int> vertices;
-  for (int v = 0; v < static_cast<int>(component.size()); ++v)
-    if (component[v] == largest) vertices.push_back(v);
-  return vertices;
+  return pieces;
 }
 
 template <class T>
@@ -92,6 +88,27 @@ Vec3 weighted_mean(std::span<const double> area, std::span<const Vec3> value) {
     total += area[v];
   }
   return total > 0 ? Vec3(sum / total) : Vec3::Zero();
+}
+
+std::optional<double> captured_by(std::span<const int> piece, const TriangleMesh& mesh,
+                                  const SurfaceState& state, const Vec3& axis) {
+  if (state.material_velocity.empty()) return std::nullopt;
+  const std::vector<Vec3> position = gather<Vec3>(mesh.position, piece);
+  const std::vector<Vec3> velocity = gather<Vec3>(state.motion.velocity, piece);
+  const std::vector<Vec3> normal = gather<Vec3>(state.normal, piece);
+  const std::vector<double> area = gather<double>(state.area, piece);
+  // The method `material`: tangentially as the material, with the normal velocity that all methods share.
+  std::vector<Vec3> material = gather<Vec3>(state.material_velocity, piece);
+  for (std::size_t v = 0; v < piece.size(); ++v)
+    material[v] = tangential(material[v], normal[v]) + velocity[v].dot(normal[v]) * normal[v];
+
+  const double rotation = fitted_angular_velocity(position, area, material).dot(axis);
+  const Vec3 centre = weighted_mean(area, position);
+  const double radius =
+      std::sqrt(mean_square(area, [&](std::size_t v) { return (position[v] - centre).squaredNorm(); }));
+  const double speed = std::sqrt(mean_square(area, [&](std::size_t v) { return material[v].squaredNorm(); }));
+  if (!(std::abs(rotation) * radius > kNoRotation * speed)) return std::nullopt;
+  return fitted_angular_velocity(position, area, velocity).dot(axis) / rotation;
 }
 
 }  // namespace
@@ -117,26 +134,17 @@ std::optional<double> slip(const SurfaceState& state) {
   return std::sqrt(slip_square / speed_square);
 }
 
-std::optional<double> rotation_captured(const TriangleMesh& mesh, const VertexRings& rings,
-                                        const SurfaceState& state, const Vec3& axis) {
-  if (state.material_velocity.empty()) return std::nullopt;
-  const std::vector<int> piece = largest_piece(rings);
-  const std::vector<Vec3> position = gather<Vec3>(mesh.position, piece);
-  const std::vector<Vec3> velocity = gather<Vec3>(state.motion.velocity, piece);
-  const std::vector<Vec3> normal = gather<Vec3>(state.normal, piece);
-  const std::vector<double> area = gather<double>(state.area, piece);
-  // The method `material`: tangentially as the material, with the normal velocity that all methods share.
-  std::vector<Vec3> material = gather<Vec3>(state.material_velocity, piece);
-  for (std::size_t v = 0; v < piece.size(); ++v)
-    material[v] = tangential(material[v], normal[v]) + velocity[v].dot(normal[v]) * normal[v];
+std::vector<PieceRotation> rotation_by_piece(const TriangleMesh& mesh, const VertexRings& rings,
+                                             const SurfaceState& state, const Vec3& axis) {
+  std::vector<PieceRotation> rotations;
+  for (const std::vector<int>& piece : pieces_of(rings))
+    rotations.push_back({piece.size(), captured_by(piece, mesh, state, axis)});
+  return rotations;
+}
 
-  const double rotation = fitted_angular_velocity(position, area, material).dot(axis);
-  const Vec3 centre = weighted_mean(area, position);
-  const double radius =
-      std::sqrt(mean_square(area, [&](std::size_t v) { return (position[v] - centre).squaredNorm(); }));
-  const double speed = std::sqrt(mean_square(area, [&](std::size_t v) { return material[v].squaredNorm(); }));
-  if (!(std::abs(rotation) * radius > kNoRotation * speed)) return std::nullopt;
-  return fitted_angular_velocity(position, area, velocity).dot(axis) / rotation;
+std::optional<double> largest_piece_rotation(std::span<const PieceRotation> pieces) {
+  const auto largest = std::ranges::max_element(pieces, {}, &PieceRotation::vertices);
+  return largest == pieces.end() ? std::nullopt : largest->captured;
 }
 
 Vec3 fitted_angular_velocity(std::span<const Vec3> position, std::span<const double> area,

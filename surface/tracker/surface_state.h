@@ -28,11 +28,22 @@ SurfaceState surface_state(const Field& field, const TriangleMesh& mesh, const V
 /// nullopt where the material velocity is unknown or zero.
 std::optional<double> slip(const SurfaceState& state);
 
-/// Angular velocity about `axis` (a unit vector) of the least-squares rigid motion of the largest piece's
-/// vertices under the method's velocity, over the same fitted to the material velocity. nullopt where that is
-/// unknown or (nearly) zero.
-std::optional<double> rotation_captured(const TriangleMesh& mesh, const VertexRings& rings,
-                                        const SurfaceState& state, const Vec3& axis);
+/// How much of the material's rotation one connected piece of the surface takes part in.
+struct PieceRotation {
+  std::size_t vertices = 0;
+  /// Angular velocity about the axis of the least-squares rigid motion of the piece's vertices under the
+  /// method's velocity, over the same fitted to the material velocity. nullopt where that is unknown or
+  /// (nearly) zero.
+  std::optional<double> captured;
+};
+
+/// One entry a connected piece, in the order of their first vertices; axis: a unit vector.
+std::vector<PieceRotation> rotation_by_piece(const TriangleMesh& mesh, const VertexRings& rings,
+                                             const SurfaceState& state, const Vec3& axis);
+
+/// PieceRotation::captured of the piece with the most vertices (of the first such piece); nullopt without
+/// pieces.
+std::optional<double> largest_piece_rotation(std::span<const PieceRotation> pieces);
 
 /// Angular velocity vector [1/s] of the area-weighted least-squares rigid motion of the selected vertices.
 Vec3 fitted_angular_velocity(std::span<const Vec3> position, std::span<const double> area,

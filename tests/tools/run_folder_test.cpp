@@ -27,7 +27,7 @@ class RunFolderFiles : public Scratch {
   void write_frame(RunFolder& run, int frame) {
     run.write_particles(frame, *point());
     for (const std::string method : {"total", "curvature"}) run.write_surface(frame, method, *point());
-    run.finish_frame(0.1 * frame, "m\n", "t\n");
+    run.finish_frame(0.1 * frame, {.metrics = "m\n", .pieces = "p\n", .timings = "t\n"});
   }
 };
 
@@ -42,6 +42,7 @@ TEST_F(RunFolderFiles, HasItsLayoutAfterEveryFrame) {
                            "surface-total/surface_0000.vtp", "surface-curvature/surface_0001.vtp"})
     EXPECT_TRUE(fs::is_regular_file(path / name)) << name;
   EXPECT_EQ(bytes_of(path / "metrics.csv"), metrics_header() + "m\nm\n");
+  EXPECT_EQ(bytes_of(path / "pieces.csv"), pieces_header() + "p\np\n");
   EXPECT_EQ(bytes_of(path / "timings.csv"), timings_header() + "t\nt\n");
   for (const auto& entry : fs::recursive_directory_iterator(path))
     EXPECT_NE(entry.path().extension(), ".tmp");

@@ -7,6 +7,7 @@
 #include <array>
 
 #include "core/errors.h"
+#include "tools/experiments/fig9.h"
 #include "tools/experiments/rigid_figures.h"
 #include "tools/files.h"
 #include "tools/plot.h"
@@ -67,18 +68,20 @@ void ExperimentContext::say(const std::string& text) const {
 
 std::span<const Experiment> experiments() {
   static constexpr std::array table{
-      Experiment{"fig3", "experiments/fig3.toml", "one particle in a straight line: the triangles",
-                 experiment_fig3},
-      Experiment{"fig4", "experiments/fig4.toml", "three particles, three turns, with fairing",
-                 experiment_fig4},
-      Experiment{"fig5", "experiments/fig5.toml", "their error against the number of fairing iterations",
-                 experiment_fig5},
-      Experiment{"fig7", "experiments/fig7.toml", "one particle, thirty turns: the meshes (Figs. 6 and 7)",
-                 experiment_fig7},
-      Experiment{"fig8", "experiments/fig8.toml", "one particle, thirty turns: the error turn by turn",
-                 experiment_fig8},
-      Experiment{"body", "experiments/body.toml", "seven unequal particles, ten turns: features everywhere",
-                 experiment_body},
+      Experiment{"fig3", "experiments/fig3.toml", "experiments/fig3.toml",
+                 "one particle in a straight line: the triangles", experiment_fig3},
+      Experiment{"fig4", "experiments/fig4.toml", "experiments/fig4.toml",
+                 "three particles, three turns, with fairing", experiment_fig4},
+      Experiment{"fig5", "experiments/fig5.toml", "experiments/fig5.toml",
+                 "their error against the number of fairing iterations", experiment_fig5},
+      Experiment{"fig7", "experiments/fig7.toml", "experiments/fig7.toml",
+                 "one particle, thirty turns: the meshes (Figs. 6 and 7)", experiment_fig7},
+      Experiment{"fig8", "experiments/fig8.toml", "experiments/fig8.toml",
+                 "one particle, thirty turns: the error turn by turn", experiment_fig8},
+      Experiment{"body", "experiments/body.toml", "experiments/body.toml",
+                 "seven unequal particles, ten turns: features everywhere", experiment_body},
+      Experiment{"fig9", "staircase.toml", "staircase-small.toml",
+                 "a viscous ball slides and rolls down a staircase", experiment_fig9},
   };
   return table;
 }
@@ -94,7 +97,9 @@ void run_experiments(const ExperimentOptions& options) {
   for (const Experiment* experiment : list) {
     const std::string name(experiment->name);
     make_folder(options.folder / name);
-    const ExperimentContext context{options, scenes / experiment->file, options.folder / name, name};
+    const ExperimentContext context{options,
+                                    scenes / (options.quick ? experiment->quick_file : experiment->file),
+                                    options.folder / name, name};
     const Stopwatch watch;
     Report report = with_folder(experiment->run(context), name);
     report.seconds = watch.seconds();

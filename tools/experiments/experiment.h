@@ -41,8 +41,8 @@ using ExperimentFunction = Report (*)(const ExperimentContext&);
 
 struct Experiment {
   std::string_view name;
-  std::string_view file;     ///< relative to the folder of scenes
-  std::string_view summary;  ///< one line for help texts
+  std::string_view file, quick_file;  ///< relative to the folder of scenes
+  std::string_view summary;           ///< one line for help texts
   ExperimentFunction run;
 };
 

@@ -1,0 +1,177 @@
+#include "tools/experiments/fig9.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/errors.h"
+#include "surface/motion/velocity.h"
+#include "tools/plot.h"
+#include "tools/render.h"
+#include "tools/run.h"
+
+namespace kappaflow {
+namespace {
+
+constexpr const char* kPaper = "Fujisawa et al. 2011, Fig. 9";
+constexpr int kInterrupted = 130;
+
+RunSummary run_all_methods(const ExperimentContext& context) {
+  RunOptions options;
+  options.scene = context.file;
+  options.folder = context.folder / "run";
+  for (const VelocityMethod& method : velocity_methods()) options.methods.emplace_back(method.name);
+  options.threads = context.options.threads;
+  options.force = true;  // the experiments' folder was checked already
+  options.quiet = context.options.quiet;
+  options.command = {"kappaflow", "experiment", context.name};
+  RunSummary summary = run_scene(options);
+  if (summary.interrupted) throw Error("interrupted; the report holds the experiments before", kInterrupted);
+  return summary;
+}
+
+/// The number of frames from the start on in which the mesh is sound.
+std::size_t sound_frames(const RunSummary& run, const MethodSummary& method) {
+  std::size_t n = 0;
+  while (n < run.frames.size() && method.frames[n].sound(run.frames[n])) ++n;
+  return n;
+}
+
+std::string text(const std::optional<double>& value) {
+  return value ? fmt::format("{:.3f}", *value) : "-";
+}
+
+std::optional<double> median_of(std::span<const SurfaceMetrics> frames,
+                                std::optional<double> SurfaceMetrics::*member) {
+  return median(over_frames(frames, member));
+}
+
+Table method_table(const RunSummary& run) {
+  Table table{
+      fmt::format("Medians over the frames until the mesh is no longer sound, and over the whole run in "
+                  "parentheses. A mesh is sound while every vertex is on the surface, at most {} % of the "
+                  "triangles have folded over, its volume is within {} % of a fresh isosurface's, and "
+                  "components and genus are the same as there. Slip: RMS tangential difference to the "
+                  "material velocity over the RMS tangential material speed. Rotation: about the scene's "
+                  "axis, of the largest piece's least-squares rigid motion over the material's (pieces.csv "
+                  "has every piece). Tracer distance: from a vertex to the material that it started on, in "
+                  "sigma, when the mesh stops being sound and at the end.",
+                  100 * kSoundFolded, 100 * kSoundVolume),
+      {"method", "sound until [s]", "slip", "rotation captured", "tracer distance", "quality, mean at end",
+       "folded at end", "volume at end"},
+      {}};
+  for (const MethodSummary& method : run.methods) {
+    const std::size_t n = sound_frames(run, method);
+    const std::span<const SurfaceMetrics> all = method.frames, sound = all.first(n);
+    const SurfaceMetrics& last = all.back();
+    const auto both = [&](std::optional<double> SurfaceMetrics::*member) {
+      return fmt::format("{} ({})", text(median_of(sound, member)), text(median_of(all, member)));
+    };
+    table.rows.push_back(
+        {method.name, n == 0 ? "never" : fmt::format("{:.2f}", run.frames[n - 1].time),
+         both(&SurfaceMetrics::slip), both(&SurfaceMetrics::rotation_captured),
+         fmt::format("{}, {}", n == 0 ? "-" : text(all[n - 1].tracer_distance), text(last.tracer_distance)),
+         fmt::format("{:.3f}", last.quality.mean), fmt::format("{:.2f} %", 100 * last.folded_fraction),
+         fmt::format("{:+.2f} %", 100 * (last.size.volume / run.frames.back().isosurface_volume - 1))});
+  }
+  return table;
+}
+
+Plot plot_over_time(const RunSummary& run, const std::string& title, const std::string& label,
+                    const std::function<double(const SurfaceMetrics&)>& value) {
+  Plot plot{title, "t [s]", label, {}, false};
+  for (const MethodSummary& method : run.methods) {
+    Curve curve{method.name, {}};
+    for (std::size_t f = 0; f < run.frames.size(); ++f)
+      curve.points.emplace_back(run.frames[f].time, value(method.frames[f]));
+    plot.curves.push_back(std::move(curve));
+  }
+  return plot;
+}
+
+void add_plots(const RunSummary& run, const ExperimentContext& context, Report& report) {
+  const auto number = [](const std::optional<double>& value) { return value.value_or(std::nan("")); };
+  const std::vector<Plot> motion{
+      plot_over_time(run, "Slip against the material", "slip [1]",
+                     [&](const SurfaceMetrics& m) { return number(m.slip); }),
+      plot_over_time(run, "Rotation captured", "surface over material [1]", [&](const SurfaceMetrics& m) {
+        // Frames in which the material hardly turns say nothing and would set the scale.
+        const double captured = number(m.rotation_captured);
+        return std::abs(captured) < 3 ? captured : std::nan("");
+      })};
+  draw_plots(context.folder, "fig9-motion", motion);
+  const std::vector<Plot> mesh{
+      plot_over_time(run, "Distance to material tracers", "mean distance [sigma]",
+                     [&](const SurfaceMetrics& m) { return number(m.tracer_distance); }),
+      plot_over_time(run, "Triangle quality", "mean of 2 inradius/circumradius",
+                     [](const SurfaceMetrics& m) { return m.quality.mean; })};
+  draw_plots(context.folder, "fig9-mesh", mesh);
+  report.figures.push_back(
+      {"fig9-motion.png", "How well each surface follows the material, frame by frame."});
+  report.figures.push_back(
+      {"fig9-mesh.png", "How far vertices are from their material, and what becomes of the mesh."});
+}
+
+void add_pictures(const RunSummary& run, const ExperimentContext& context, Report& report) {
+  const int last = static_cast<int>(run.frames.size()) - 1;
+  for (const int frame : {last / 3, 2 * last / 3, last}) {
+    context.say(fmt::format("drawing frame {}", frame));
+    const std::string name = fmt::format("fig9_{:04}.png", frame);
+    render({.folder = context.folder / "run",
+            .picture = context.folder / name,
+            .frame = frame,
+            .methods = {},
+            .columns = 3});
+    report.figures.push_back({name, fmt::format("All methods at t = {:.2f} s.", run.frames[frame].time)});
+  }
+}
+
+void judge(const RunSummary& run, Report& report) {
+  const auto of = [&](std::string_view name) -> const MethodSummary& {
+    return *std::ranges::find(run.methods, name, &MethodSummary::name);
+  };
+  const auto value = [&](std::string_view name, std::optional<double> SurfaceMetrics::*member) {
+    return median_of(of(name).frames, member).value_or(std::nan(""));
+  };
+  const double slip_total = value("total", &SurfaceMetrics::slip),
+               slip_curvature = value("curvature", &SurfaceMetrics::slip),
+               rotation_total = value("total", &SurfaceMetrics::rotation_captured),
+               rotation_curvature = value("curvature", &SurfaceMetrics::rotation_captured);
+  report.statements.push_back(
+      judged(kPaper, "Curvature invariance follows the rolling of the liquid, total velocity does not.",
+             fmt::format("rotation captured, median: total {:.3f}, curvature {:.3f}", rotation_total,
+                         rotation_curvature),
+             {{"curvature within 20 % of the material's rotation", std::abs(rotation_curvature - 1) < 0.2},
+              {"total off by more", std::abs(rotation_total - 1) > std::abs(rotation_curvature - 1)}},
+             "Total velocity keeps normals, which a rolling body does not."));
+  report.statements.push_back(
+      judged(kPaper, "Curvature invariance moves the surface with the liquid better than total velocity.",
+             fmt::format("slip, median: total {:.3f}, curvature {:.3f}", slip_total, slip_curvature),
+             {{"curvature slips less", slip_curvature < slip_total}},
+             "0 is perfect, 1 is no better than not moving along the surface at all."));
+}
+
+}  // namespace
+
+Report experiment_fig9(const ExperimentContext& context) {
+  Report report;
+  report.name = context.name;
+  const RunSummary run = run_all_methods(context);
+  report.title = "A viscous ball slides and rolls down a staircase";
+  report.introduction = fmt::format(
+      "`{}`, {} particles, {} frames to t = {:.3g} s; every method on the same particles and from the same "
+      "mesh. The "
+      "mesh keeps its connectivity throughout, so each method is judged up to the time to which its mesh "
+      "stays sound.",
+      context.file.filename().string(), run.frames.front().particles, run.frames.size(),
+      run.frames.back().time);
+  judge(run, report);
+  add_pictures(run, context, report);
+  add_plots(run, context, report);
+  report.tables.push_back(method_table(run));
+  report.files = {"run/metrics.csv", "run/pieces.csv", "run/run.pvd", "fig9-motion.gp", "fig9-mesh.gp"};
+  return report;
+}
+
+}  // namespace kappaflow
