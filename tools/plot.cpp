@@ -70,7 +70,7 @@ std::string plot_script(const std::string& name, std::span<const Plot> plots) {
       script += data_block(data_name(p, c), plots[p].curves[c], plots[p].log_y);
   script += fmt::format("set terminal pngcairo size {},{} font 'sans,13' noenhanced\n",
                         kPlotWidth * plots.size(), kPlotHeight);
-  script += "set grid lc rgb '#dddddd'\nset key below\n";
+  script += "set grid lc rgb '#dddddd'\nset key below\nset bmargin 6\n";
   script += fmt::format("if (!exists('picture')) picture = '{}.png'\nset output picture\n", name);
   script += fmt::format("set multiplot layout 1,{}\n", plots.size());
   for (std::size_t p = 0; p < plots.size(); ++p) script += plot_command(p, plots[p]);

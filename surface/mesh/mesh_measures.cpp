@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
 
 #include "core/errors.h"
@@ -101,6 +102,23 @@ QualityRange triangle_qualities(std::span<const Vec3> position, std::span<const 
         return {std::min(a.min, b.min), a.mean + b.mean};
       });
   return {range.min, range.mean / static_cast<double>(triangles.size())};
+}
+
+double smallest_angle(std::span<const Vec3> position, std::span<const Triangle> triangles) {
+  const auto angle = [&](std::size_t i) {
+    double least = std::numbers::pi;
+    for (int corner = 0; corner < 3; ++corner) {
+      const Vec3& apex = position[triangles[i][corner]];
+      const Vec3 a = position[triangles[i][(corner + 1) % 3]] - apex,
+                 b = position[triangles[i][(corner + 2) % 3]] - apex;
+      least = std::min(least, std::atan2(a.cross(b).norm(), a.dot(b)));
+    }
+    return least;
+  };
+  // The smallest angle of a triangle is at most 60 degrees.
+  const double least = parallel_reduce(
+      triangles.size(), std::numbers::pi / 3, angle, [](double a, double b) { return std::min(a, b); });
+  return 180 / std::numbers::pi * least;
 }
 
 TriangleDistortion triangle_distortion(std::span<const Vec3> position, std::span<const Vec3> rest_position,

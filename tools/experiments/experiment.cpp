@@ -7,6 +7,7 @@
 #include <array>
 
 #include "core/errors.h"
+#include "tools/experiments/enright.h"
 #include "tools/experiments/fig9.h"
 #include "tools/experiments/rigid_figures.h"
 #include "tools/files.h"
@@ -38,7 +39,8 @@ std::vector<const Experiment*> chosen(const ExperimentOptions& options) {
       add(experiment_named(name));
       continue;
     }
-    for (const Experiment& experiment : experiments()) add(experiment);
+    for (const Experiment& experiment : experiments())
+      if (experiment.part_of_all || options.quick) add(experiment);
   }
   return result;
 }
@@ -82,6 +84,12 @@ std::span<const Experiment> experiments() {
                  "seven unequal particles, ten turns: features everywhere", experiment_body},
       Experiment{"fig9", "staircase.toml", "staircase-small.toml",
                  "a viscous ball slides and rolls down a staircase", experiment_fig9},
+      Experiment{"enright", "experiments/enright.toml", "experiments/enright.toml",
+                 "Enright's test: a sphere is drawn out into a sheet and back; particles carried by the flow",
+                 experiment_enright_particles},
+      Experiment{"enright-exact", "experiments/enright.toml", "experiments/enright.toml",
+                 "the same on the exact implicit function; minutes, and not part of \"all\"",
+                 experiment_enright_exact, false},
   };
   return table;
 }

@@ -44,6 +44,7 @@ struct Experiment {
   std::string_view file, quick_file;  ///< relative to the folder of scenes
   std::string_view summary;           ///< one line for help texts
   ExperimentFunction run;
+  bool part_of_all = true;  ///< of "all" without --quick; the others take long
 };
 
 std::span<const Experiment> experiments();

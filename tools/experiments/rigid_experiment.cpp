@@ -4,7 +4,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <stdexcept>
 
 #include "core/errors.h"
 #include "core/parallel.h"
@@ -119,12 +118,6 @@ const RigidCase& find_case(const std::vector<RigidCase>& cases, const std::strin
                     "{}, {} fairing iterations",
                     body, method, integrator_name(integrator), fairing_iterations));
   return *found;
-}
-
-std::string_view integrator_name(TimeIntegrator integrator) {
-  for (const auto& named : kIntegrators)
-    if (named.value == integrator) return named.name;
-  throw std::logic_error("an integrator without a name");
 }
 
 }  // namespace kappaflow

@@ -88,8 +88,6 @@ std::vector<const RigidCase*> select(const std::vector<RigidCase>& cases,
 const RigidCase& find_case(const std::vector<RigidCase>& cases, const std::string& body,
                            const std::string& method, TimeIntegrator integrator, int fairing_iterations);
 
-std::string_view integrator_name(TimeIntegrator integrator);
-
 /// What all of these experiments have in common, for the chapter's introduction.
 std::string rigid_setting(const RigidExperiment& experiment);
 

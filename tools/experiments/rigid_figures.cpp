@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "scenes/integrator_names.h"
 #include "tools/experiments/rigid_experiment.h"
 #include "tools/plot.h"
 

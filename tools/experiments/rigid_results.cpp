@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "scenes/integrator_names.h"
 #include "surface/mesh/mesh_measures.h"
 #include "tools/data_files.h"
 #include "tools/experiments/rigid_experiment.h"

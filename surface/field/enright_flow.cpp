@@ -1,0 +1,8 @@
+#include "surface/field/enright_flow.h"
+
+namespace kappaflow {
+
+template class FlowMapField<EnrightFlow>;
+template class FlowMapMotion<EnrightFlow>;
+
+}  // namespace kappaflow

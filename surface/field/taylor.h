@@ -1,0 +1,170 @@
+// Truncated Taylor polynomials in three variables: arithmetic on a function together with all its derivatives
+// up to a degree, so that a formula written once yields them without differences.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "surface/field/jet.h"
+
+namespace kappaflow {
+
+namespace taylor {
+
+using Exponents = std::array<int, 3>;
+
+constexpr std::size_t count(int degree) {
+  return static_cast<std::size_t>((degree + 1) * (degree + 2) * (degree + 3) / 6);
+}
+
+constexpr int degree_of(const Exponents& e) {
+  return e[0] + e[1] + e[2];
+}
+
+/// By degree, then as ThirdDerivatives orders them: 1, x, y, z, xx, xy, ...; those of a lower degree are a
+/// prefix.
+constexpr std::array<Exponents, count(3)> exponents() {
+  std::array<Exponents, count(3)> list{};
+  std::size_t n = 0;
+  for (int degree = 0; degree <= 3; ++degree)
+    for (int x = degree; x >= 0; --x)
+      for (int y = degree - x; y >= 0; --y) list[n++] = {x, y, degree - x - y};
+  return list;
+}
+inline constexpr auto kExponents = exponents();
+
+constexpr std::size_t index_of(const Exponents& e) {
+  std::size_t i = 0;
+  while (kExponents[i] != e) ++i;
+  return i;
+}
+
+/// The pairs (i, j) whose terms make up coefficient k of a product of two polynomials whose terms below
+/// degree A and B vanish.
+template <int Degree, int A, int B, std::size_t K>
+constexpr auto product_terms() {
+  const auto visit = [](const auto& term) {
+    for (std::size_t i = 0; i < count(Degree); ++i)
+      for (std::size_t j = 0; j < count(Degree); ++j) {
+        const Exponents &e = kExponents[i], &f = kExponents[j];
+        if (degree_of(e) >= A && degree_of(f) >= B &&
+            kExponents[K] == Exponents{e[0] + f[0], e[1] + f[1], e[2] + f[2]})
+          term(i, j);
+      }
+  };
+  constexpr std::size_t kTerms = [visit] {
+    std::size_t n = 0;
+    visit([&n](std::size_t, std::size_t) { ++n; });
+    return n;
+  }();
+  std::array<std::pair<std::size_t, std::size_t>, kTerms> terms{};
+  std::size_t n = 0;
+  visit([&](std::size_t i, std::size_t j) { terms[n++] = {i, j}; });
+  return terms;
+}
+
+}  // namespace taylor
+
+/// A function of d in R^3 near d = 0: sum over |a| <= Degree of c_a d^a, c_a = (derivative a at 0) / a!.
+/// Sums, products, sine and cosine are exact up to the degree, which is 1, 2 or 3; higher terms are dropped.
+template <int Degree>
+class Taylor {
+ public:
+  static_assert(Degree >= 1 && Degree <= 3);
+
+  Taylor() = default;  ///< coefficients are not set
+  /// The variable number `axis` about x: x + d_axis.
+  static Taylor variable(double x, int axis) {
+    Taylor t(Coefficients::Zero());
+    t.c_[0] = x;
+    t.c_[1 + axis] = 1;
+    return t;
+  }
+
+  double value() const { return c_[0]; }
+  Vec3 gradient() const { return c_.template segment<3>(1); }
+  Mat3 hessian() const {
+    static_assert(Degree >= 2);
+    Mat3 m;
+    m << 2 * c_[4], c_[5], c_[6], c_[5], 2 * c_[7], c_[8], c_[6], c_[8], 2 * c_[9];
+    return m;
+  }
+  ThirdDerivatives third_derivatives() const {
+    static_assert(Degree == 3);
+    return {6 * c_[10], 2 * c_[11], 2 * c_[12], 2 * c_[13], c_[14],
+            2 * c_[15], 6 * c_[16], 2 * c_[17], 2 * c_[18], 6 * c_[19]};
+  }
+  /// The derivative along `axis`, which is of one degree less.
+  Taylor<Degree - 1> derivative(int axis) const {
+    Taylor<Degree - 1> result;
+    for (std::size_t i = 0; i < taylor::count(Degree - 1); ++i) {
+      taylor::Exponents raised = taylor::kExponents[i];
+      ++raised[axis];
+      result.c_[i] = raised[axis] * c_[taylor::index_of(raised)];
+    }
+    return result;
+  }
+
+  Taylor& operator+=(const Taylor& other) {
+    c_ += other.c_;
+    return *this;
+  }
+  friend Taylor operator-(const Taylor& a, const Taylor& b) { return Taylor(a.c_ - b.c_); }
+  friend Taylor operator*(double s, const Taylor& a) { return Taylor(s * a.c_); }
+  friend Taylor operator-(const Taylor& a, double s) { return a.plus(-s); }
+  friend Taylor operator-(double s, const Taylor& a) { return Taylor(-a.c_).plus(s); }
+  friend Taylor operator*(const Taylor& a, const Taylor& b) { return product<0, 0>(a, b); }
+  friend Taylor operator+(Taylor a, const Taylor& b) { return a += b; }
+
+  /// {sin a, cos a}: with a = a_0 + n, n^4 = 0, sin n = n - n^3/6 and cos n = 1 - n^2/2.
+  friend std::pair<Taylor, Taylor> sine_and_cosine(const Taylor& a) {
+    const Taylor n = a.plus(-a.c_[0]), n2 = product<1, 1>(n, n), n3 = product<2, 1>(n2, n);
+    const Coefficients sine = n.c_ - n3.c_ / 6, cosine = Taylor(-0.5 * n2.c_).plus(1).c_;
+    const double s = std::sin(a.c_[0]), c = std::cos(a.c_[0]);
+    return {Taylor(s * cosine + c * sine), Taylor(c * cosine - s * sine)};
+  }
+
+ private:
+  template <int>
+  friend class Taylor;
+  using Coefficients = Eigen::Array<double, static_cast<int>(taylor::count(Degree)), 1>;
+
+  explicit Taylor(const Coefficients& c) : c_(c) {}
+
+  Taylor plus(double s) const {
+    Taylor t = *this;
+    t.c_[0] += s;
+    return t;
+  }
+
+  /// a b where the terms of a below degree A, and of b below degree B, vanish. Unrolled at compile time, and
+  /// by coefficient, so that each is summed in a register.
+  template <int A, int B>
+  static Taylor product(const Taylor& a, const Taylor& b) {
+    Taylor result;
+    [&]<std::size_t... K>(std::index_sequence<K...>) {
+      ((result.c_[K] = sum_of_terms<A, B, K>(a, b)), ...);
+    }
+    (std::make_index_sequence<taylor::count(Degree)>());
+    return result;
+  }
+  template <int A, int B, std::size_t K>
+  static double sum_of_terms(const Taylor& a, const Taylor& b) {
+    static constexpr auto kTerms = taylor::product_terms<Degree, A, B, K>();
+    return [&]<std::size_t... I>(std::index_sequence<I...>) {
+      return (0.0 + ... + (a.c_[kTerms[I].first] * b.c_[kTerms[I].second]));
+    }
+    (std::make_index_sequence<kTerms.size()>());
+  }
+
+  Coefficients c_;
+};
+
+/// The same for a plain number, so that formulas serve both.
+inline std::pair<double, double> sine_and_cosine(double a) {
+  return {std::sin(a), std::cos(a)};
+}
+
+}  // namespace kappaflow
