@@ -5,10 +5,10 @@
 namespace kappaflow {
 
 bool has_display() {
-  Display* display = XOpenDisplay(nullptr);
-  if (display == nullptr) return false;
-  XCloseDisplay(display);
-  return true;
+  // Never closed: a virtual X server starts anew when its last client leaves, and refuses the next one while it
+  // does so.
+  static Display* const display = XOpenDisplay(nullptr);
+  return display != nullptr;
 }
 
 }  // namespace kappaflow

@@ -9,6 +9,7 @@
 
 #include "tests/tools/program.h"
 #include "tests/tools/scratch.h"
+#include "tests/tools/text_table.h"
 #include "tools/data_files.h"
 #include "tools/metrics.h"
 #include "tools/run_record.h"
@@ -30,18 +31,6 @@ class Run : public Scratch {
                         "--duration", "0.15", "--track", "total,curvature"});
   }
 };
-
-std::vector<std::map<std::string, std::string>> read_table(const fs::path& path) {
-  const std::vector<std::string> lines = split(bytes_of(path), '\n'), names = split(lines.at(0), ',');
-  std::vector<std::map<std::string, std::string>> rows;
-  for (std::size_t l = 1; l < lines.size(); ++l) {
-    const std::vector<std::string> cells = split(lines[l], ',');
-    EXPECT_EQ(cells.size(), names.size()) << lines[l];
-    auto& row = rows.emplace_back();
-    for (std::size_t c = 0; c < names.size(); ++c) row[names[c]] = cells.at(c);
-  }
-  return rows;
-}
 
 void expect_finite(vtkPolyData& data) {
   for (int a = 0; a < data.GetPointData()->GetNumberOfArrays(); ++a) {

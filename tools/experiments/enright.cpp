@@ -272,16 +272,18 @@ Report experiment_enright_particles(const ExperimentContext& context) {
   const EnrightOptions options = read_options(context, true);
   ParticleFieldOptions field{
       .sigma = options.sigma * options.spacing, .weights = WeightRule::normalised, .threshold = 0.5};
+  EnrightParticles particles(options.spacing);
+  const std::size_t count = particles.at(0).size();
   const auto motion_between = [&](double t0, double t1) -> std::unique_ptr<FieldMotion> {
-    return std::make_unique<ParticleMotion>(enright_particles(options.spacing, t0),
-                                            enright_particles(options.spacing, t1), field);
+    const Particles before = particles.at(t0);
+    return std::make_unique<ParticleMotion>(before, particles.at(t1), field);
   };
   return enright(
       context, options, true, motion_between,
       fmt::format(
           "{} particles, {} m apart at the start, are carried by the flow exactly; the surface is that of "
           "Eq. 12 with sigma = {} m, normalised weights and threshold 0.5.",
-          enright_particles(options.spacing, 0).size(), options.spacing, field.sigma));
+          count, options.spacing, field.sigma));
 }
 
 Report experiment_enright_exact(const ExperimentContext& context) {

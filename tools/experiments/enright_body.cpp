@@ -59,22 +59,28 @@ VertexError vertex_error(const TriangleMesh& mesh, double time) {
                       [&](std::size_t v) { return (mesh.position[v] - material[v]).norm(); });
 }
 
-Particles enright_particles(double spacing, double time) {
-  Particles particles;
-  particles.time = time;
+EnrightParticles::EnrightParticles(double spacing) {
   const int half = static_cast<int>(std::ceil(EnrightFlow::kRadius / spacing));
   for (int k = -half; k <= half; ++k)
     for (int j = -half; j <= half; ++j)
-      for (int i = -half; i <= half; ++i)
+      for (int i = -half; i <= half; ++i) {
+        const Vec3 d = spacing * Vec3(i, j, k);
         // Half a spacing off the sphere: the surface of Eq. 12 lies about that far outside the particles.
-        if (const Vec3 d = spacing * Vec3(i, j, k); d.norm() <= EnrightFlow::kRadius - 0.5 * spacing)
-          particles.position.emplace_back(kCentre + d);
-  carry<EnrightFlow>(particles.position, 0, time);
-  for (std::size_t i = 0; i < particles.position.size(); ++i) {
-    particles.id.push_back(static_cast<std::int64_t>(i));
-    particles.velocity.push_back(flow_velocity<EnrightFlow>(particles.position[i], time));
-  }
-  return particles;
+        if (d.norm() > EnrightFlow::kRadius - 0.5 * spacing) continue;
+        particles_.id.push_back(static_cast<std::int64_t>(particles_.id.size()));
+        particles_.position.emplace_back(kCentre + d);
+      }
+  particles_.velocity.resize(particles_.id.size());
+  at(0);
+}
+
+const Particles& EnrightParticles::at(double time) {
+  carry<EnrightFlow>(particles_.position, particles_.time, time);
+  particles_.time = time;
+  parallel_for(particles_.size(), [&](std::size_t i) {
+    particles_.velocity[i] = flow_velocity<EnrightFlow>(particles_.position[i], time);
+  });
+  return particles_;
 }
 
 }  // namespace kappaflow

@@ -38,8 +38,17 @@ struct VertexError {
 };
 VertexError vertex_error(const TriangleMesh& mesh, double time);
 
-/// Particles that fill the sphere on a cubic lattice and have been carried to `time`, with the flow's
-/// velocities.
-Particles enright_particles(double spacing, double time);
+/// Particles that fill the sphere on a cubic lattice at time 0 and are carried by the flow.
+class EnrightParticles {
+ public:
+  /// spacing [m] at time 0.
+  explicit EnrightParticles(double spacing);
+
+  /// The particles at `time` [s], with the flow's velocities. Carries them on from the time asked for before.
+  const Particles& at(double time);
+
+ private:
+  Particles particles_;
+};
 
 }  // namespace kappaflow

@@ -302,5 +302,36 @@ TEST(EdgeEdits, RandomEditsKeepTheMeshClosedAndManifold) {
   }
 }
 
+TEST(TriangleMeasures, DistortionOfAStretchedTriangle) {
+  const std::vector<Triangle> one{{0, 1, 2}};
+  const std::vector<Vec3> rest{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0.5, std::sqrt(3.0) / 2, 0)};
+  std::vector<Vec3> now = rest;
+  const TriangleDistortion none = triangle_distortion(now, rest, one);
+  EXPECT_NEAR(none.aspect_max, 1, 1e-15);
+  EXPECT_NEAR(none.area_ratio_min, 1, 1e-15);
+  for (Vec3& x : now) x[0] *= 4;  // edge 4, altitude sqrt(3)/2: 4 times the equilateral's 2/sqrt(3)
+  const TriangleDistortion stretched = triangle_distortion(now, rest, one);
+  EXPECT_NEAR(stretched.aspect_mean, 4, 1e-14);
+  EXPECT_NEAR(stretched.area_ratio_max, 4, 1e-14);
+  now[2] = Vec3(2, 0, 0);
+  EXPECT_TRUE(std::isinf(triangle_distortion(now, rest, one).aspect_max));
+}
+
+TEST(TriangleMeasures, SmallestAngle) {
+  const std::vector<Vec3> corners{Vec3(0, 0, 0), Vec3(4, 0, 0), Vec3(4, 3, 0), Vec3(8, 0, 0)};
+  EXPECT_NEAR(smallest_angle(corners, std::vector<Triangle>{{0, 1, 2}}), 180 / kPi * std::atan2(3, 4), 1e-12);
+  EXPECT_EQ(smallest_angle(corners, std::vector<Triangle>{{0, 1, 2}, {0, 1, 3}}), 0);
+  EXPECT_NEAR(smallest_angle(corners, std::vector<Triangle>{}), 60, 1e-12);
+}
+
+TEST(TriangleMeasures, FoldedTrianglesFaceAwayFromTheNormals) {
+  const TriangleMesh mesh = extract_isosurface(sphere(1), 0.3);
+  std::vector<Vec3> normal = mesh.position;
+  EXPECT_EQ(folded_fraction(mesh.position, normal, mesh.triangles), 0);
+  std::vector<Triangle> turned(mesh.triangles.begin(), mesh.triangles.end());
+  for (std::size_t t = 0; t < turned.size(); t += 4) std::swap(turned[t][0], turned[t][1]);
+  EXPECT_NEAR(folded_fraction(mesh.position, normal, turned), 0.25, 2.0 / static_cast<double>(turned.size()));
+}
+
 }  // namespace
 }  // namespace kappaflow

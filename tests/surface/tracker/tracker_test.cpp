@@ -229,10 +229,10 @@ TEST(State, RotationCapturedLooksAtTheLargestPieceOnly) {
   const std::vector<PieceRotation> pieces = rotation_by_piece(mesh, rings, state, Vec3::UnitZ());
   ASSERT_EQ(pieces.size(), 2u);
   EXPECT_EQ(pieces[0].vertices + pieces[1].vertices, mesh.vertex_count());
-  EXPECT_EQ(std::max(pieces[0], pieces[1], [](const auto& a, const auto& b) {
-              return a.vertices < b.vertices;
-            }).captured,
-            all);
+  EXPECT_EQ(
+      std::max(pieces[0], pieces[1], [](const auto& a, const auto& b) { return a.vertices < b.vertices; })
+          .captured,
+      all);
   EXPECT_FALSE(largest_piece_rotation({}).has_value());
 }
 
