@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/errors.h"
+#include "core/named.h"
 #include "core/types.h"
 
 namespace kappaflow {
@@ -37,13 +38,6 @@ constexpr NumberRange positive(std::string_view unit, double upper = kUnbounded)
 constexpr NumberRange non_negative(std::string_view unit, double upper = kUnbounded) {
   return {0, upper, false, unit};
 }
-
-/// A name in a scene and the value that it stands for.
-template <class T>
-struct Named {
-  std::string_view name;
-  T value;
-};
 
 /// A text file in memory. Throws InvalidInput when it is missing, no text file, or larger than 1 MiB.
 std::string read_small_text_file(const std::filesystem::path& file);

@@ -45,10 +45,15 @@ std::string method_lines() {
   return text;
 }
 
-std::string method_names() {
-  std::string names;
-  for (const VelocityMethod& method : velocity_methods())
-    names += (names.empty() ? "" : ", ") + std::string(method.name);
+std::vector<std::string_view> method_names() {
+  std::vector<std::string_view> names;
+  for (const VelocityMethod& method : velocity_methods()) names.push_back(method.name);
+  return names;
+}
+
+std::vector<std::string_view> minimiser_names() {
+  std::vector<std::string_view> names;
+  for (const Named<Minimiser>& minimiser : kMinimisers) names.push_back(minimiser.name);
   return names;
 }
 
@@ -72,12 +77,11 @@ CLI::Validator whole_number(long lowest, long highest) {
   });
 }
 
-CLI::Validator known_method() {
+CLI::Validator one_of(const std::vector<std::string_view>& names) {
   return CLI::Validator(
-      [](const std::string& word) {
-        for (const VelocityMethod& method : velocity_methods())
-          if (word == method.name) return std::string();
-        return fmt::format("found \"{}\"; expected one of {}", word, method_names());
+      [names](const std::string& word) {
+        if (std::ranges::find(names, word) != names.end()) return std::string();
+        return fmt::format("found \"{}\"; expected one of {}", word, fmt::join(names, ", "));
       },
       "");
 }
@@ -110,7 +114,23 @@ void add_methods(CLI::App& command, const std::string& name, std::vector<std::st
       ->delimiter(',')
       ->allow_extra_args(false)
       ->type_name("NAMES")
-      ->check(known_method());
+      ->check(one_of(method_names()));
+}
+
+/// Calls set(Minimiser) where the option is given.
+template <class Set>
+void add_minimiser(CLI::App& command, const std::string& fallback, const Set& set) {
+  const auto set_by_name = [set](const std::string& name) {
+    for (const Named<Minimiser>& minimiser : kMinimisers)
+      if (minimiser.name == name) set(minimiser.value);
+  };
+  command
+      .add_option_function<std::string>(
+          "--minimiser", set_by_name,
+          fmt::format("How least squares for velocities are solved: {} (default: {})",
+                      fmt::join(minimiser_names(), ", "), fallback))
+      ->type_name("NAME")
+      ->check(one_of(minimiser_names()));
 }
 
 CLI::App* add_run(CLI::App& app, CommandLine& line) {
@@ -120,6 +140,7 @@ CLI::App* add_run(CLI::App& app, CommandLine& line) {
   add_methods(*run, "--track", line.run.methods, "Velocity methods to track with (default: the scene's)");
   run->add_option("--duration", line.duration, "Simulated time in seconds (default: the scene's)")
       ->check(number_in("a number of seconds above 0", [](double value) { return value > 0; }));
+  add_minimiser(*run, "the scene's", [&line](Minimiser minimiser) { line.run.minimiser = minimiser; });
   add_threads(*run, line);
   run->add_flag("--force", line.run.force, "Replace the run that the folder already holds");
   run->add_flag("--quiet", line.run.quiet, "Print errors only");
@@ -150,6 +171,7 @@ CLI::App* add_probe(CLI::App& app, CommandLine& line) {
       ->check(number_in("a number", [](double) { return true; }));
   for (const VelocityMethod& method : velocity_methods()) line.probe.methods.emplace_back(method.name);
   add_methods(*probe, "--methods", line.probe.methods, "Velocity methods to evaluate (default: all)");
+  add_minimiser(*probe, "closed-form", [&line](Minimiser minimiser) { line.probe.minimiser = minimiser; });
   probe->footer(
       method_lines() + "\n" +
       footer("kappaflow probe out/staircase/particles/particles_0010.vtp points.csv --threshold 2.6 "
@@ -184,6 +206,8 @@ CLI::App* add_experiment(CLI::App& app, CommandLine& line) {
   experiment->add_option("--out", line.experiment.folder, "Folder for report.html and the results")
       ->required();
   experiment->add_flag("--quick", line.experiment.quick, "A smaller variant of each, all in under a minute");
+  add_minimiser(*experiment, "closed-form",
+                [&line](Minimiser minimiser) { line.experiment.minimiser = minimiser; });
   experiment->add_option("--scenes", line.experiment.scenes,
                          "Folder with the experiments' files (default: those that came with the program)");
   add_threads(*experiment, line);

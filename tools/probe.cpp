@@ -119,11 +119,12 @@ std::string field_columns(const Field& field, const Vec3& x) {
   return line;
 }
 
-SurfaceVelocities velocities(const Field& field, const std::string& method, std::span<const Vec3> points) {
+SurfaceVelocities velocities(const Field& field, const std::string& method, Minimiser minimiser,
+                             std::span<const Vec3> points) {
   const std::vector<double> area(points.size(), 0);
   const VertexRings no_neighbours{std::vector<int>(points.size() + 1, 0), {}};
   SurfaceVelocities result;
-  velocity_method(method).evaluate(field, {points, area, no_neighbours}, {}, result);
+  velocity_method(method).evaluate(field, {points, area, no_neighbours}, {.minimiser = minimiser}, result);
   return result;
 }
 
@@ -136,7 +137,7 @@ std::string probe(const ProbeOptions& options) {
   std::vector<SurfaceVelocities> motions;
   for (const std::string& method : options.methods) {
     header += fmt::format(",v_{0}_x,v_{0}_y,v_{0}_z,confidence_{0}", method);
-    motions.push_back(velocities(field, method, points));
+    motions.push_back(velocities(field, method, options.minimiser, points));
   }
   std::string table = header + "\n";
   for (std::size_t i = 0; i < points.size(); ++i) {

@@ -43,6 +43,7 @@ class InterruptGuard {
 Scene load_scene_for(const RunOptions& options) {
   Scene scene = load_scene(options.scene);
   if (options.duration) scene.duration = *options.duration;
+  if (options.minimiser) scene.surface.tracker.velocity.minimiser = *options.minimiser;
   if (!options.methods.empty()) scene.surface.methods = options.methods;
   return scene;
 }

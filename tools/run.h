@@ -6,15 +6,17 @@
 #include <string>
 #include <vector>
 
+#include "surface/motion/velocity.h"
 #include "tools/summary.h"
 
 namespace kappaflow {
 
 struct RunOptions {
   std::filesystem::path scene;
-  std::filesystem::path folder;      ///< empty: out/<name of the scene file>
-  std::vector<std::string> methods;  ///< empty: those of the scene
-  std::optional<double> duration;    ///< instead of the scene's [s]
+  std::filesystem::path folder;        ///< empty: out/<name of the scene file>
+  std::vector<std::string> methods;    ///< empty: those of the scene
+  std::optional<double> duration;      ///< instead of the scene's [s]
+  std::optional<Minimiser> minimiser;  ///< instead of the scene's
   int threads = 1;
   bool force = false;                ///< replace a run that the folder already holds
   bool quiet = false;                ///< no progress, no summary

@@ -19,10 +19,15 @@ Json::Value list(const std::vector<std::string>& words) {
   return array;
 }
 
+Json::Value minimiser_record(Minimiser minimiser) {
+  return std::string(name_of(kMinimisers, minimiser));
+}
+
 Json::Value options_record(const RunOptions& options) {
   Json::Value record;
   record["methods"] = list(options.methods);
   record["duration"] = options.duration ? Json::Value(*options.duration) : Json::Value();
+  record["minimiser"] = options.minimiser ? minimiser_record(*options.minimiser) : Json::Value();
   record["force"] = options.force;
   record["quiet"] = options.quiet;
   return record;
@@ -71,6 +76,7 @@ std::string run_record(const RunOptions& options, const Scene& scene, const Simu
   record["duration"] = scene.duration;
   record["frames_per_second"] = scene.output.frames_per_second;
   record["methods"] = list(scene.surface.methods);
+  record["minimiser"] = minimiser_record(scene.surface.tracker.velocity.minimiser);
   record["sigma"] = field.sigma;
   record["threshold"] = field.threshold;
   record["threshold_rule"] = scene.surface.threshold ? "number" : "auto";

@@ -117,18 +117,21 @@ void enright_value_and_gradient(benchmark::State& state) {
 }
 BENCHMARK(enright_value_and_gradient);
 
-void method(benchmark::State& state, const VelocityMethod& method) {
+void method(benchmark::State& state, const VelocityMethod& method, const VelocityOptions& options) {
   const Scene scene(47);
   const std::vector<double> area(scene.points.size(), kSpacing * kSpacing);
   const VertexRings rings{.start = std::vector<int>(scene.points.size() + 1, 0), .neighbour = {}};
   SurfaceVelocities velocities;
-  for (auto _ : state) method.evaluate(scene.field, {scene.points, area, rings}, {}, velocities);
+  for (auto _ : state) method.evaluate(scene.field, {scene.points, area, rings}, options, velocities);
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(scene.points.size()));
 }
 
 const bool kMethodsRegistered = [] {
   for (const VelocityMethod& m : velocity_methods())
-    benchmark::RegisterBenchmark(("method/" + std::string(m.name)).c_str(), method, m);
+    benchmark::RegisterBenchmark(("method/" + std::string(m.name)).c_str(), method, m, VelocityOptions{});
+  for (const Named<Minimiser>& minimiser : kMinimisers)
+    benchmark::RegisterBenchmark(("minimiser/" + std::string(minimiser.name)).c_str(), method,
+                                 velocity_method("curvature"), VelocityOptions{.minimiser = minimiser.value});
   return true;
 }();
 

@@ -1,12 +1,11 @@
-// What the pointwise velocity methods share: a tangent basis, rows of linear equations for the tangential
-// velocity, their damped least-squares solution, and the loop over the batch.
+// What the pointwise velocity methods share: a tangent basis, the loop over the batch, and the sum of normal
+// and tangential velocity.
 #pragma once
 
 #include <Eigen/Geometry>
-#include <algorithm>
-#include <cmath>
 
 #include "core/parallel.h"
+#include "surface/motion/tangential_rows.h"
 #include "surface/motion/velocity.h"
 
 namespace kappaflow {
@@ -28,53 +27,6 @@ inline TangentBasis tangent_basis(const Vec3& n) {
   basis.col(0) = n.cross(Vec3::Unit(smallest)).normalized();
   basis.col(1) = n.cross(basis.col(0));
   return basis;
-}
-
-/// Equations R y = b for the tangential velocity v_t = E y: R is dimensionless, b in m/s.
-template <int Rows>
-struct TangentialRows {
-  Eigen::Matrix<double, Rows, 2> R;
-  Eigen::Matrix<double, Rows, 1> b;
-};
-
-/// The rows of both.
-template <int M, int N>
-TangentialRows<M + N> stacked(const TangentialRows<M>& first, const TangentialRows<N>& second) {
-  TangentialRows<M + N> both;
-  both.R << first.R, second.R;
-  both.b << first.b, second.b;
-  return both;
-}
-
-/// The minimum y of |R y - b|^2 + lambda^2 |y|^2 and s/sqrt(s^2 + lambda^2) of the smaller singular value s
-/// of R.
-struct DampedSolution {
-  Vec2 y;
-  double confidence;
-};
-
-/// Solves in closed form: one Jacobi rotation makes the columns of R orthogonal, their lengths are the
-/// singular values (Hestenes 1958). R^T R is not formed, so a small singular value keeps its digits. Without
-/// damping, a direction that R says nothing about gets no velocity.
-template <int Rows>
-DampedSolution solve_damped(const TangentialRows<Rows>& rows, double lambda) {
-  const double a = rows.R.col(0).squaredNorm(), c = rows.R.col(1).squaredNorm(),
-               ac = rows.R.col(0).dot(rows.R.col(1));
-  const double zeta = 0.5 * (c - a);
-  const double length = std::hypot(zeta, ac);
-  const double tangent = ac == 0 ? 0 : (zeta >= 0 ? ac / (zeta + length) : ac / (zeta - length));
-  const double cosine = 1 / std::sqrt(1 + tangent * tangent), sine = cosine * tangent;
-  Eigen::Matrix2d V;
-  V << cosine, sine, -sine, cosine;
-  const Eigen::Matrix<double, Rows, 2> Q = rows.R * V;
-  const auto damped = [lambda](double s2, double projection) {
-    const double sum = s2 + lambda * lambda;
-    return sum > 0 ? projection / sum : 0;
-  };
-  const double s0 = Q.col(0).squaredNorm(), s1 = Q.col(1).squaredNorm();
-  const Vec2 in_v(damped(s0, Q.col(0).dot(rows.b)), damped(s1, Q.col(1).dot(rows.b)));
-  const double smaller = std::min(s0, s1);
-  return {V * in_v, std::sqrt(damped(smaller, smaller))};
 }
 
 /// Whether the field has a gradient to speak of at this jet, i.e. whether a surface can pass there.
@@ -115,10 +67,10 @@ template <int Rows>
 PointVelocity with_tangential(const Vec3& normal_velocity, const TangentBasis& basis,
                               const TangentialRows<Rows>& rows, const Field& field,
                               const VelocityOptions& options) {
-  const DampedSolution solution = solve_damped(rows, options.damping);
-  const Vec3 tangential = basis * solution.y;
-  return {normal_velocity + limited(tangential, options.speed_limit * field.fastest_speed()),
-          solution.confidence};
+  const double fastest = field.fastest_speed();
+  const TangentialMinimum minimum = minimise(rows, options.damping, fastest, options.minimiser);
+  const Vec3 tangential = basis * minimum.y;
+  return {normal_velocity + limited(tangential, options.speed_limit * fastest), minimum.confidence};
 }
 
 }  // namespace kappaflow

@@ -82,7 +82,8 @@ TEST(MetricsTable, HasTheDocumentedColumns) {
       metrics_header(),
       "frame,time,method,particles,penetration_max,density_error_mean,density_error_max,vertices,triangles,"
       "residual_max,quality_min,quality_mean,area,volume,isosurface_volume,slip,rotation_captured,"
-      "tracer_distance,components,genus,isosurface_components,isosurface_genus,kept_fraction,unprojected\n");
+      "tracer_distance,components,genus,isosurface_components,isosurface_genus,kept_fraction,unprojected,"
+      "folded_fraction\n");
 }
 
 TEST(MetricsTable, RowMatchesTheHeader) {
@@ -96,9 +97,9 @@ TEST(MetricsTable, RowMatchesTheHeader) {
   surface.rotation_captured = 0.875;
   surface.topology = {1, 4};
   surface.unprojected = 5;
-  EXPECT_EQ(
-      metrics_row(frame, "total", surface),
-      "7,0.28,total,1000,0.25,0.333333333333,0.02,12,20,1e-05,0.5,0.9,3.5,0.625,0.75,,0.875,,1,4,2,3,1,5\n");
+  EXPECT_EQ(metrics_row(frame, "total", surface),
+            "7,0.28,total,1000,0.25,0.333333333333,0.02,12,20,1e-05,0.5,0.9,3.5,0.625,0.75,,0.875,,1,4,2,3,1,"
+            "5,0\n");
   EXPECT_EQ(split(metrics_row(frame, "total", surface), ',').size(), split(metrics_header(), ',').size());
 }
 

@@ -28,7 +28,7 @@ class Run : public Scratch {
  protected:
   ProgramResult run_small(const std::string& name, const std::string& threads) const {
     return run_program({"run", kSmallScene, "--out", (folder / name).string(), "--threads", threads,
-                        "--duration", "0.15", "--track", "total,curvature"});
+                        "--duration", "0.15", "--track", "total,curvature", "--minimiser", "bfgs"});
   }
 };
 
@@ -98,6 +98,8 @@ void expect_record(const fs::path& run) {
   EXPECT_EQ(record["command"][1].asString(), "run");
   EXPECT_EQ(record["options"]["duration"].asDouble(), 0.15);
   EXPECT_EQ(record["methods"].size(), 2u);
+  EXPECT_EQ(record["minimiser"].asString(), "bfgs");
+  EXPECT_EQ(record["options"]["minimiser"].asString(), "bfgs");
   EXPECT_GT(record["threshold"].asDouble(), 1);
   EXPECT_NEAR(record["sigma"].asDouble(), 0.16, 1e-12);
   EXPECT_TRUE(record["version"].isString());
@@ -123,7 +125,7 @@ TEST_F(Run, WritesEverythingAndStaysWithinItsLimits) {
     EXPECT_EQ(bytes_of(entry.path()), bytes_of(folder / "two" / name)) << name;
     ++compared;
   }
-  EXPECT_EQ(compared, 1 + 1 + 4 + 3 * (kFrames + 1));
+  EXPECT_EQ(compared, 2 + 1 + 4 + 3 * (kFrames + 1));
 }
 
 TEST_F(Run, QuietPrintsNothing) {

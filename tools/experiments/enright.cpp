@@ -4,7 +4,7 @@
 
 #include <functional>
 
-#include "scenes/integrator_names.h"
+#include "scenes/toml_reader.h"
 #include "surface/field/enright_flow.h"
 #include "surface/field/particle_motion.h"
 #include "surface/mesh/mesh_measures.h"
@@ -62,6 +62,7 @@ EnrightOptions read_options(const ExperimentContext& context, bool particles) {
   read_variant(quick_particles, true, of_particles);
   read_variant(quick_exact, false, of_exact);
   if (!context.options.quick) options = full;
+  options.tracker.velocity.minimiser = context.options.minimiser.value_or(Minimiser::closed_form);
   if (options.steps % 2 != 0) ++options.steps;  // so that a step ends at half time
   return options;
 }
@@ -256,7 +257,7 @@ Report enright(const ExperimentContext& context, const EnrightOptions& options, 
           " Sphere of radius {} m, period {} s, velocity times cos(pi t/T); {} triangles, {} steps "
           "with {}, damping {}, {} fairing iterations, no remeshing.",
           EnrightFlow::kRadius, EnrightFlow::kPeriod, results.front().end.mesh.triangles.size(),
-          options.steps, integrator_name(options.tracker.integrator), options.tracker.velocity.damping,
+          options.steps, name_of(kIntegrators, options.tracker.integrator), options.tracker.velocity.damping,
           options.tracker.fairing.iterations);
   judge(results, particles, report);
   write_meshes(results, motion_between, options, context, report);

@@ -9,6 +9,7 @@
 #include "core/errors.h"
 #include "tools/experiments/enright.h"
 #include "tools/experiments/fig9.h"
+#include "tools/experiments/minimisers.h"
 #include "tools/experiments/rigid_figures.h"
 #include "tools/files.h"
 #include "tools/plot.h"
@@ -82,6 +83,9 @@ std::span<const Experiment> experiments() {
                  "one particle, thirty turns: the error turn by turn", experiment_fig8},
       Experiment{"body", "experiments/body.toml", "experiments/body.toml",
                  "seven unequal particles, ten turns: features everywhere", experiment_body},
+      Experiment{"minimisers", "experiments/minimisers.toml", "experiments/minimisers.toml",
+                 "Powell's method, BFGS and the closed form on Eq. 10: agreement and cost",
+                 experiment_minimisers},
       Experiment{"fig9", "staircase.toml", "staircase-small.toml",
                  "a viscous ball slides and rolls down a staircase", experiment_fig9},
       Experiment{"enright", "experiments/enright.toml", "experiments/enright.toml",

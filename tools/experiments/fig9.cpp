@@ -22,6 +22,7 @@ RunSummary run_all_methods(const ExperimentContext& context) {
   options.scene = context.file;
   options.folder = context.folder / "run";
   for (const VelocityMethod& method : velocity_methods()) options.methods.emplace_back(method.name);
+  options.minimiser = context.options.minimiser;
   options.threads = context.options.threads;
   options.force = true;  // the experiments' folder was checked already
   options.quiet = context.options.quiet;
@@ -80,7 +81,7 @@ Table method_table(const RunSummary& run) {
 
 Plot plot_over_time(const RunSummary& run, const std::string& title, const std::string& label,
                     const std::function<double(const SurfaceMetrics&)>& value) {
-  Plot plot{title, "t [s]", label, {}, false};
+  Plot plot{title, "t [s]", label, {}};
   for (const MethodSummary& method : run.methods) {
     Curve curve{method.name, {}};
     for (std::size_t f = 0; f < run.frames.size(); ++f)

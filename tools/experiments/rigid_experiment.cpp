@@ -7,7 +7,6 @@
 
 #include "core/errors.h"
 #include "core/parallel.h"
-#include "scenes/integrator_names.h"
 #include "surface/tracker/initial_mesh.h"
 
 namespace kappaflow {
@@ -90,7 +89,7 @@ std::vector<RigidCase> run_rigid_experiment(const RigidExperiment& experiment,
       for (const int fairing : experiment.fairing_iterations)
         for (const std::string& method : experiment.methods) {
           context.say(fmt::format("{}, {}, {}, {} fairing iterations", body.name, method,
-                                  integrator_name(integrator), fairing));
+                                  name_of(kIntegrators, integrator), fairing));
           cases.push_back({&body, method, integrator, fairing, 0, {}, {}});
           run_case(experiment, start, cases.back());
         }
@@ -116,7 +115,7 @@ const RigidCase& find_case(const std::vector<RigidCase>& cases, const std::strin
     throw InvalidInput(
         fmt::format("the experiment's file leaves out the case that its report is about: {}, {}, "
                     "{}, {} fairing iterations",
-                    body, method, integrator_name(integrator), fairing_iterations));
+                    body, method, name_of(kIntegrators, integrator), fairing_iterations));
   return *found;
 }
 

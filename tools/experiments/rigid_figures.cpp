@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "scenes/integrator_names.h"
 #include "tools/experiments/rigid_experiment.h"
 #include "tools/plot.h"
 
@@ -24,6 +23,7 @@ struct Chapter {
 Chapter run_chapter(const ExperimentContext& context, const std::string& introduction) {
   Chapter chapter;
   chapter.experiment = read_rigid_experiment(context.file, context.options.quick);
+  chapter.experiment.tracker.velocity.minimiser = context.options.minimiser.value_or(Minimiser::closed_form);
   chapter.cases = run_rigid_experiment(chapter.experiment, context);
   chapter.report.name = context.name;
   chapter.report.title = chapter.experiment.title;
@@ -45,7 +45,7 @@ Table case_table(const Chapter& chapter) {
   for (const RigidCase& c : chapter.cases) {
     const RigidSample& end = c.samples.back();
     table.rows.push_back(
-        {c.body->name, c.method, std::string(integrator_name(c.integrator)),
+        {c.body->name, c.method, std::string(name_of(kIntegrators, c.integrator)),
          fmt::format("{}", c.fairing_iterations), fmt::format("{:.3g}", end_error(chapter, c)),
          fmt::format("{:.3g}", c.mean_over_run()), fmt::format("{:.3g}", c.max_over_run()),
          fmt::format("{:.3g}", end.distortion.aspect_max),
@@ -246,11 +246,11 @@ Report experiment_fig7(const ExperimentContext& context) {
       "the run every method stays up to a diameter away from a body that spins with the turn; after "
       "whole turns the two agree.)");
   for (const TimeIntegrator integrator : chapter.experiment.integrators) {
-    const std::string name = fmt::format("fig7-{}", integrator_name(integrator));
+    const std::string name = fmt::format("fig7-{}", name_of(kIntegrators, integrator));
     add_mesh_figure(chapter, context, name,
                     select(chapter.cases, [&](const RigidCase& c) { return c.integrator == integrator; }),
                     fmt::format("Integrated with {}: after whole turns the mesh should be where it started.",
-                                integrator_name(integrator)));
+                                name_of(kIntegrators, integrator)));
   }
   const TimeIntegrator first = chapter.experiment.integrators.front();
   const RigidCase &total = find_case(chapter.cases, "one", "total", first, 0),
@@ -260,7 +260,7 @@ Report experiment_fig7(const ExperimentContext& context) {
       fmt::format("After {} turns the mesh of total velocity is visibly off, that of curvature is not.",
                   chapter.experiment.cycles),
       fmt::format("mean distance to the start with {}: total {:.3g}, curvature {:.3g}",
-                  integrator_name(first), end_error(chapter, total), end_error(chapter, curvature)),
+                  name_of(kIntegrators, first), end_error(chapter, total), end_error(chapter, curvature)),
       {{"total is off", end_error(chapter, total) > 0.02},
        {"curvature is not", end_error(chapter, curvature) < 0.5 * end_error(chapter, total)}},
       "On a sphere K and H are constant: the curvature rows of Eq. 10 are empty and both methods are one and "
@@ -276,7 +276,7 @@ Report experiment_fig8(const ExperimentContext& context) {
   std::vector<Check> grows, differs, accurate;
   std::vector<std::pair<std::string, double>> ends;
   for (const TimeIntegrator integrator : chapter.experiment.integrators) {
-    const std::string name(integrator_name(integrator));
+    const std::string name(name_of(kIntegrators, integrator));
     const RigidCase &total = find_case(chapter.cases, "one", "total", integrator, 0),
                     &curvature = find_case(chapter.cases, "one", "curvature", integrator, 0);
     const double end_total = end_error(chapter, total), end_curvature = end_error(chapter, curvature);

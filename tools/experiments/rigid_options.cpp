@@ -3,7 +3,7 @@
 
 #include <numbers>
 
-#include "scenes/integrator_names.h"
+#include "scenes/toml_reader.h"
 #include "surface/motion/velocity.h"
 #include "tools/experiments/rigid_experiment.h"
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "scenes/integrator_names.h"
 #include "surface/mesh/mesh_measures.h"
 #include "tools/data_files.h"
 #include "tools/experiments/rigid_experiment.h"
@@ -15,7 +14,7 @@ namespace kappaflow {
 namespace {
 
 std::string case_columns(const RigidCase& c) {
-  return fmt::format("{},{},{},{}", c.body->name, c.method, integrator_name(c.integrator),
+  return fmt::format("{},{},{},{}", c.body->name, c.method, name_of(kIntegrators, c.integrator),
                      c.fairing_iterations);
 }
 
@@ -69,7 +68,7 @@ std::vector<std::string> write_rigid_results(const RigidExperiment& experiment,
     for (std::size_t k = 0; k < c.kept.size(); ++k) {
       const int cycle = experiment.picture_cycles[k];
       const std::string name = fmt::format("{}-{}-{}-{}_{:02}.vtp", c.body->name, c.method,
-                                           integrator_name(c.integrator), c.fairing_iterations, cycle);
+                                           name_of(kIntegrators, c.integrator), c.fairing_iterations, cycle);
       write_vtp(context.folder / name, *mesh_data(experiment, c, c.kept[k], cycle));
     }
   return {"summary.csv", "errors.csv"};
