@@ -164,6 +164,7 @@ void read_tracker(TomlTable& t, TrackerOptions& tracker) {
   projection.reach = t.number("projection_reach", positive("sigma", 10), projection.reach);
   projection.iterations = t.integer("projection_iterations", 1, kMaxIterations, projection.iterations);
   fairing.iterations = t.integer("fairing_iterations", 0, kMaxIterations, fairing.iterations);
+  fairing.moves = t.choice("fairing_moves", kFairedVertices, std::optional(fairing.moves));
   fairing.relaxation = t.number("fairing_relaxation", positive("", 1), fairing.relaxation);
   fairing.rest_length_time = t.number("rest_length_time", positive("s", kMaxTime), fairing.rest_length_time);
 }

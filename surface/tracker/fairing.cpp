@@ -79,7 +79,7 @@ void relax_vertices(const VertexRings& rings, double relaxation, TriangleMesh& m
     const bool lost = mesh.unprojected[v] || is_folded(rings, state, mesh.position, v);
     const Vec3 move = lost ? centroid_move(rings.of(v), mesh.position, v)
                            : spring_move(rings, state.rest_length, mesh.position, state.gradient[v], v);
-    state.moved_position[v] = mesh.position[v] + relaxation * move;
+    state.moved_position[v] = mesh.position[v] + relaxation * (lost ? 1 : state.mobility[v]) * move;
   });
   std::swap(mesh.position, state.moved_position);
 }
@@ -112,6 +112,7 @@ FairingState fairing_state(const TriangleMesh& mesh, const VertexRings& rings) {
   state.rest_length.assign(rings.neighbour.size(), 0);
   relax_rest_lengths(rings, mesh.position, 1, state.rest_length);
   state.third_corner = third_corners(rings, mesh.triangles);
+  state.mobility.assign(mesh.vertex_count(), 1);
   state.gradient.assign(mesh.vertex_count(), Vec3::Zero());
   state.moved_position.resize(mesh.vertex_count());
   return state;

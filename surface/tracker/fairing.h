@@ -3,15 +3,25 @@
 
 #include <vector>
 
+#include "core/named.h"
 #include "surface/field/field.h"
 #include "surface/mesh/triangle_mesh.h"
 #include "surface/tracker/projection.h"
 
 namespace kappaflow {
 
+/// Which vertices fairing moves: all, as in the paper, or each only as far as its velocity is undetermined
+/// (the paper's future work): a confident vertex is a constraint, an unconfident one follows its neighbours.
+enum class FairedVertices { undetermined, all };
+
+/// What scenes call them.
+inline constexpr Named<FairedVertices> kFairedVertices[] = {{"undetermined", FairedVertices::undetermined},
+                                                            {"all", FairedVertices::all}};
+
 struct FairingOptions {
-  int iterations = 10;            ///< relaxations a step; 0 switches fairing off
-  double relaxation = 0.5;        ///< share of the way to the springs' equilibrium an iteration goes, (0, 1]
+  int iterations = 10;      ///< relaxations a step; 0 switches fairing off
+  double relaxation = 0.5;  ///< share of the way to the springs' equilibrium an iteration goes, (0, 1]
+  FairedVertices moves = FairedVertices::undetermined;
   double rest_length_time = 0.5;  ///< rest lengths follow the current lengths with this time constant [s]
 };
 
@@ -20,23 +30,25 @@ struct FairingOptions {
 struct FairingState {
   std::vector<double> rest_length;
   std::vector<int> third_corner;     ///< parallel to them: of the triangle that runs from vertex to neighbour
+  std::vector<double> mobility;      ///< share of its move that each vertex takes, in [0, 1]
   std::vector<Vec3> gradient;        ///< grad f at the vertices after the last projection
   std::vector<Vec3> moved_position;  ///< the vertices of an iteration in the making
 };
 
-/// Rest lengths = the current edge lengths. Precondition: a closed oriented mesh.
+/// Rest lengths = the current edge lengths, all vertices mobile. Precondition: a closed oriented mesh.
 FairingState fairing_state(const TriangleMesh& mesh, const VertexRings& rings);
 
 /// Projects all vertices on f = 0 by Eq. 11, then runs the iterations: every vertex moves from the same old
 /// state (Jacobi), so the order does not matter, and all are projected again. Then the rest lengths relax
 /// over dt [s].
 ///
-/// A vertex goes a share `relaxation` of one Newton step towards the equilibrium of its springs, its
-/// neighbours fixed. A spring pulls with its length in space minus its rest length, along the neighbour's
-/// direction in the tangent plane; so a mesh whose edges have their rest lengths stays as it is, however
-/// curved it is. Two kinds of vertices go towards the centroid of their neighbours instead: those whose
-/// projection failed, until it succeeds, and those of triangles that have folded over, which springs at their
-/// rest lengths would keep folded. Returns the largest residual of the last projection (see project_all).
+/// A vertex goes a share `relaxation` times its mobility of one Newton step towards the equilibrium of its
+/// springs, its neighbours fixed. A spring pulls with its length in space minus its rest length, along the
+/// neighbour's direction in the tangent plane; so a mesh whose edges have their rest lengths stays as it is,
+/// however curved it is. Two kinds of vertices go towards the centroid of their neighbours instead: those
+/// whose projection failed, until it succeeds, and those of triangles that have folded over, which springs at
+/// their rest lengths would keep folded; their mobility does not count. Returns the largest residual of the
+/// last projection (see project_all).
 double fair(const Field& field, const VertexRings& rings, const FairingOptions& options,
             const ProjectionOptions& projection, double dt, TriangleMesh& mesh, FairingState& state);
 

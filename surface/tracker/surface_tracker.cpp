@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "surface/mesh/mesh_measures.h"
+#include "surface/tracker/mobility.h"
 
 namespace kappaflow {
 namespace {
@@ -29,6 +30,8 @@ TrackerStep SurfaceTracker::step(FieldMotion& motion) {
   TrackerStep report;
   report.velocity_seconds = seconds_of([&] { advect(motion); });
   report.fairing_seconds = seconds_of([&] {
+    if (options_.fairing.moves == FairedVertices::undetermined)
+      vertex_mobility(rings_, velocities_, fairing_.mobility);
     report.residual_max = fair(*motion.at(motion.t1()), rings_, options_.fairing, options_.projection,
                                motion.t1() - motion.t0(), mesh_, fairing_);
   });

@@ -55,7 +55,7 @@ class SurfaceTracker {
   VertexRings rings_;
   FairingState fairing_;
   RungeKutta runge_kutta_;
-  SurfaceVelocities velocities_;  // scratch
+  SurfaceVelocities velocities_;  // of the last stage of the step
   std::vector<double> area_;      // at the start of the step
 };
 

@@ -130,6 +130,7 @@ TEST(GoodScenes, EverySurfaceAndOutputKeyArrives) {
   EXPECT_EQ(surface.tracker.projection.reach, 0.9);
   EXPECT_EQ(surface.tracker.projection.iterations, 19);
   EXPECT_EQ(surface.tracker.fairing.iterations, 4);
+  EXPECT_EQ(surface.tracker.fairing.moves, FairedVertices::all);
   EXPECT_EQ(surface.tracker.fairing.relaxation, 0.6);
   EXPECT_EQ(surface.tracker.fairing.rest_length_time, 0.7);
   EXPECT_EQ(scene.output.frames_per_second, 12.5);

@@ -62,6 +62,8 @@ void read_tracking(TomlTable t, RigidExperiment& experiment, double& edge_length
   experiment.tracker.velocity.damping = t.number("damping", positive("", 1e3));
   experiment.tracker.velocity.speed_limit = t.number("speed_limit", positive("", 1e3));
   experiment.tracker.projection.tolerance = t.number("projection_tolerance", positive("sigma", 0.01));
+  experiment.tracker.fairing.moves =
+      t.choice("fairing_moves", kFairedVertices, std::optional(experiment.tracker.fairing.moves));
   experiment.tracker.fairing.rest_length_time = t.number("rest_length_time", positive("s", 1e9), 1e9);
   t.finish();
 }
