@@ -1,5 +1,4 @@
-// Time per surface point of the field and of each velocity method, for a cube of particles with sigma = 2
-// spacings.
+// Time per surface point of the field, for a cube of particles with sigma = 2 spacings.
 #include <benchmark/benchmark.h>
 #include <tbb/global_control.h>
 
@@ -7,7 +6,6 @@
 #include <random>
 
 #include "surface/field/particle_field.h"
-#include "surface/motion/velocity.h"
 
 namespace {
 
@@ -64,6 +62,12 @@ void jet(benchmark::State& state) {
 }
 BENCHMARK(jet)->Arg(20)->Arg(47);
 
+void jet_and_strain_response(benchmark::State& state) {
+  StrainResponse strain;
+  run_pointwise(state, [&](const ParticleField& field, const Vec3& x) { return field.jet(x, strain); });
+}
+BENCHMARK(jet_and_strain_response)->Arg(20)->Arg(47);
+
 void value_and_gradient(benchmark::State& state) {
   run_pointwise(state, [](const ParticleField& field, const Vec3& x) { return field.value_and_gradient(x); });
 }
@@ -94,20 +98,5 @@ void sample_lattice(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations() * state.range(0) * state.range(0) * state.range(0));
 }
 BENCHMARK(sample_lattice)->Arg(47)->Unit(benchmark::kMillisecond);
-
-void method(benchmark::State& state, const VelocityMethod& method) {
-  const Scene scene(47);
-  const std::vector<double> area(scene.points.size(), kSpacing * kSpacing);
-  const VertexRings rings{.start = std::vector<int>(scene.points.size() + 1, 0), .neighbour = {}};
-  SurfaceVelocities velocities;
-  for (auto _ : state) method.evaluate(scene.field, {scene.points, area, rings}, {}, velocities);
-  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(scene.points.size()));
-}
-
-const bool kMethodsRegistered = [] {
-  for (const VelocityMethod& m : velocity_methods())
-    benchmark::RegisterBenchmark(("method/" + std::string(m.name)).c_str(), method, m);
-  return true;
-}();
 
 }  // namespace

@@ -33,29 +33,22 @@ void choose_samples(std::span<const Vec3> position, const VertexRings& rings, st
   }
 }
 
-/// Vertices in the order of their samples; those of sample s are [start[s], start[s + 1]).
-struct Members {
-  std::vector<int> start, vertex;
-};
-
-Members members_of(const SurfaceSamples& samples) {
-  Members members{.start = std::vector<int>(samples.vertex.size() + 1, 0),
-                  .vertex = std::vector<int>(samples.of_vertex.size())};
-  for (const int s : samples.of_vertex) ++members.start[s + 1];
-  std::partial_sum(members.start.begin(), members.start.end(), members.start.begin());
-  std::vector<int> end(members.start.begin(), members.start.end() - 1);
+void set_patches(SurfaceSamples& samples) {
+  samples.patch_start.assign(samples.vertex.size() + 1, 0);
+  samples.patch_vertex.resize(samples.of_vertex.size());
+  for (const int s : samples.of_vertex) ++samples.patch_start[s + 1];
+  std::partial_sum(samples.patch_start.begin(), samples.patch_start.end(), samples.patch_start.begin());
+  std::vector<int> end(samples.patch_start.begin(), samples.patch_start.end() - 1);
   for (int v = 0; v < static_cast<int>(samples.of_vertex.size()); ++v)
-    members.vertex[end[samples.of_vertex[v]]++] = v;
-  return members;
+    samples.patch_vertex[end[samples.of_vertex[v]]++] = v;
 }
 
 VertexRings sample_rings(const SurfaceSamples& samples, const VertexRings& rings) {
-  const Members members = members_of(samples);
   VertexRings result{.start = {0}, .neighbour = {}};
   for (int s = 0; s < static_cast<int>(samples.vertex.size()); ++s) {
     const auto first = static_cast<std::ptrdiff_t>(result.neighbour.size());
-    for (int k = members.start[s]; k < members.start[s + 1]; ++k)
-      for (const int w : rings.of(members.vertex[k]))
+    for (const int v : samples.patch(s))
+      for (const int w : rings.of(v))
         if (samples.of_vertex[w] != s) result.neighbour.push_back(samples.of_vertex[w]);
     std::sort(result.neighbour.begin() + first, result.neighbour.end());
     result.neighbour.erase(std::unique(result.neighbour.begin() + first, result.neighbour.end()),
@@ -67,14 +60,13 @@ VertexRings sample_rings(const SurfaceSamples& samples, const VertexRings& rings
 
 }  // namespace
 
-SurfaceSamples surface_samples(std::span<const Vec3> position, std::span<const double> area,
-                               const VertexRings& rings, std::span<const double> spacing) {
+SurfaceSamples surface_samples(std::span<const Vec3> position, const VertexRings& rings,
+                               std::span<const double> spacing) {
   SurfaceSamples samples;
   choose_samples(position, rings, spacing, samples);
   for (const int v : samples.vertex) samples.position.push_back(position[v]);
-  samples.patch_area.assign(samples.vertex.size(), 0.0);
-  for (std::size_t v = 0; v < position.size(); ++v) samples.patch_area[samples.of_vertex[v]] += area[v];
-  samples.rings = samples.vertex.size() == position.size() ? rings : sample_rings(samples, rings);
+  set_patches(samples);
+  samples.rings = sample_rings(samples, rings);
   return samples;
 }
 

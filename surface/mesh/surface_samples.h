@@ -12,18 +12,24 @@ namespace kappaflow {
 /// Samples and the patches of the mesh around them: every vertex belongs to the patch of one sample, the
 /// nearest that reached it along the mesh. Arrays have one entry a sample unless stated.
 struct SurfaceSamples {
-  std::vector<int> vertex;         ///< the sample's vertex, ascending
-  std::vector<int> of_vertex;      ///< one entry a vertex: the sample to whose patch it belongs
-  std::vector<Vec3> position;      ///< [m]
-  std::vector<double> patch_area;  ///< sum of the vertices' areas [m2]
-  VertexRings rings;               ///< samples whose patches share an edge of the mesh
+  std::vector<int> vertex;        ///< the sample's vertex, ascending
+  std::vector<int> of_vertex;     ///< one entry a vertex: the sample to whose patch it belongs
+  std::vector<Vec3> position;     ///< [m]
+  std::vector<int> patch_start;   ///< samples + 1 entries
+  std::vector<int> patch_vertex;  ///< the patch of sample s: entries patch_start[s] to patch_start[s + 1]
+  VertexRings rings;              ///< samples whose patches share an edge of the mesh
+
+  std::span<const int> patch(std::size_t s) const {
+    return {patch_vertex.data() + patch_start[s],
+            static_cast<std::size_t>(patch_start[s + 1] - patch_start[s])};
+  }
 };
 
 /// Vertices taken in turn: one that no sample has reached yet becomes a sample and reaches all vertices that
 /// are connected to it within the ball of its spacing[v] [m]. No two samples are closer along the mesh than
 /// the spacing of the first; a mesh coarser than the spacing is its own sample. spacing: one entry a vertex.
-SurfaceSamples surface_samples(std::span<const Vec3> position, std::span<const double> area,
-                               const VertexRings& rings, std::span<const double> spacing);
+SurfaceSamples surface_samples(std::span<const Vec3> position, const VertexRings& rings,
+                               std::span<const double> spacing);
 
 /// Walks over samples; keeps its scratch, so that walks allocate nothing. One a thread.
 class SampleWalk {

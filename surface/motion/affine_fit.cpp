@@ -20,6 +20,10 @@ constexpr double kTranslationDamping = 3e-5, kRotationDamping = 3e-4, kStrainDam
 using Rows = Eigen::Matrix<double, 7, 13>;
 
 constexpr int kAxes[6][2] = {{0, 0}, {0, 1}, {0, 2}, {1, 1}, {1, 2}, {2, 2}};
+constexpr int kPair[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+
+// Where the sums of MotionEquations begin.
+constexpr int kEB = 6, kEC = 9, kCC = MotionEquations::kShifted, kCB = 81, kWeight = 90;
 
 /// Coefficients of G of the row (i, k) of G^T A + A G - R'', in the order G_00, G_01, ...
 Eigen::Matrix<double, 1, 9> gradient_coefficients(const Mat3& A, const Mat3& response, int i, int k) {
@@ -77,11 +81,11 @@ double tangential_information(const Mat3& S, const Vec3& normal) {
 
 }  // namespace
 
-PointEquations point_equations(const Jet& jet, const StrainResponse& strain, const Vec3& normal_velocity) {
+MotionEquations motion_equations(const Jet& jet, const StrainResponse& strain, const Vec3& normal_velocity) {
   const Rows rows = rows_of(jet, strain, normal_velocity);
-  const Eigen::Matrix<double, 13, 13> products = rows.transpose() * rows;
-  PointEquations point;
-  double* sum = point.sums.data();
+  const Eigen::Matrix<double, 13, 13> products = rows.transpose().lazyProduct(rows);
+  MotionEquations result;
+  double* sum = result.sums.data();
   for (const auto& [a, b] : kAxes) *sum++ = products(a, b);
   for (int a = 0; a < 3; ++a) *sum++ = products(a, 12);
   for (int a = 0; a < 3; ++a)
@@ -89,41 +93,54 @@ PointEquations point_equations(const Jet& jet, const StrainResponse& strain, con
   for (int j = 0; j < 9; ++j)
     for (int k = j; k < 9; ++k) *sum++ = products(3 + j, 3 + k);
   for (int k = 0; k < 9; ++k) *sum++ = products(3 + k, 12);
-  return point;
+  *sum = 1;
+  return result;
 }
 
-void WindowSums::add(const PointEquations& point, const Vec3& y, double w) {
+double WindowSums::weight() const {
+  return zeroth_[kWeight];
+}
+
+void WindowSums::add(const MotionEquations& equations, const Vec3& y, double w) {
   const Vec3 d = y - centre_;
-  weight_ += w;
-  zeroth_ += w * point.sums;
-  for (int a = 0; a < 3; ++a) first_.col(a) += w * d[a] * point.sums.head<PointEquations::kShifted>();
-  for (int m = 0; m < 6; ++m) second_.col(m) += w * d[kAxes[m][0]] * d[kAxes[m][1]] * point.sums.head<8>();
+  zeroth_ += w * equations.sums;
+  for (int a = 0; a < 3; ++a) first_.col(a) += w * d[a] * equations.sums.head<MotionEquations::kShifted>();
+  for (int m = 0; m < 6; ++m)
+    second_.col(m) += w * d[kAxes[m][0]] * d[kAxes[m][1]] * equations.sums.head<8>();
 }
 
-AffineFit WindowSums::solve(const Vec3& normal) const {
-  if (!(weight_ > 0)) return {};
-  constexpr int pair[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
-  constexpr int kEB = 6, kEC = 9, kCC = 36, kCB = 81;
-  static const Mat9 damping = gradient_damping();
-  // Unknowns r G, then a: the Cholesky factor's last block is then that of the information about a. A row's
-  // coefficients of G_pq are c_pq + e_p d_q.
-  Mat12 N;
-  Vec12 rhs;
-  const double mean = 1 / weight_, per_r = mean / radius_, per_r2 = per_r / radius_;
+MotionEquations WindowSums::equations() const {
+  // u(y) = a + G d: a row's coefficients of G_pq about the centre are c_pq + e_p d_q.
+  MotionEquations result{.sums = zeroth_};
   for (int j = 0, cc = kCC; j < 9; ++j) {
     const int p = j / 3, q = j % 3;
-    rhs[j] = per_r * (zeroth_[kCB + j] + first_(kEB + p, q));
-    for (int a = 0; a < 3; ++a) N(9 + a, j) = per_r * (zeroth_[kEC + 9 * a + j] + first_(pair[a][p], q));
+    result.sums[kCB + j] += first_(kEB + p, q);
+    for (int a = 0; a < 3; ++a) result.sums[kEC + 9 * a + j] += first_(kPair[a][p], q);
     for (int k = j; k < 9; ++k, ++cc) {
       const int s = k / 3, t = k % 3;
-      N(k, j) = per_r2 * (zeroth_[cc] + first_(kEC + 9 * p + k, q) + first_(kEC + 9 * s + j, t) +
-                          second_(pair[p][s], pair[q][t])) +
-                damping(k, j);
+      result.sums[cc] +=
+          first_(kEC + 9 * p + k, q) + first_(kEC + 9 * s + j, t) + second_(kPair[p][s], kPair[q][t]);
     }
   }
+  return result;
+}
+
+AffineFit WindowSums::solve(double radius, const Vec3& normal) const {
+  if (!(weight() > 0)) return {};
+  static const Mat9 damping = gradient_damping();
+  // Unknowns r G, then a: the Cholesky factor's last block is then that of the information about a.
+  const auto sums = equations().sums;
+  const double mean = 1 / weight(), per_r = mean / radius, per_r2 = per_r / radius;
+  Mat12 N;
+  Vec12 rhs;
+  for (int j = 0, cc = kCC; j < 9; ++j) {
+    rhs[j] = per_r * sums[kCB + j];
+    for (int a = 0; a < 3; ++a) N(9 + a, j) = per_r * sums[kEC + 9 * a + j];
+    for (int k = j; k < 9; ++k, ++cc) N(k, j) = per_r2 * sums[cc] + damping(k, j);
+  }
   for (int a = 0; a < 3; ++a) {
-    rhs[9 + a] = mean * zeroth_[kEB + a];
-    for (int b = 0; b <= a; ++b) N(9 + a, 9 + b) = mean * zeroth_[pair[a][b]];
+    rhs[9 + a] = mean * sums[kEB + a];
+    for (int b = 0; b <= a; ++b) N(9 + a, 9 + b) = mean * sums[kPair[a][b]];
     N(9 + a, 9 + a) += kTranslationDamping * kTranslationDamping;
   }
   const Eigen::LLT<Mat12, Eigen::Lower> factor(N);

@@ -7,22 +7,22 @@
 
 namespace kappaflow {
 
-/// What the jet at one surface point y says about the affine motion around it, as the normal equations of
-/// seven rows: that the motion carries f and its Hessian, up to the field's response to strain,
+/// What one surface point y, or a patch of them, says about the affine motion around it: the normal equations
+/// of seven rows a point: that the motion carries f and its Hessian, up to the field's response to strain,
 ///   (f_t + g . u - R(E)) / |g| = 0
 ///   (A_t + C u + G^T A + A G - R''(E)) L^2/|g| = 0
 /// with E the symmetric part of G, L = jet.length_scale, C the third derivatives, R'' the Hessian of R. With
 /// the rows [e | c | b], e the coefficients of u(y) [-], c those of G [m], row by row, and b the right-hand
 /// side [m/s], the sums over the rows of e e^T, e b, e c^T, c c^T, c b are kept side by side. The rows of the
-/// Hessian have a weight that bounds what one point can say where |g| vanishes.
-struct PointEquations {
+/// Hessian have a weight that bounds what one point can say where |g| vanishes. Last comes the weight of all.
+struct MotionEquations {
   static constexpr int kShifted = 36;  // e e^T (6), e b (3), e c^T (27): what moving the centre needs
-  static constexpr int kSize = 92;     // c c^T (45), c b (9), padding
+  static constexpr int kSize = 92;     // c c^T (45), c b (9), weight, padding
   Eigen::Array<double, kSize, 1> sums = Eigen::Array<double, kSize, 1>::Zero();
 };
 
 /// The equations at a point with g != 0. normal_velocity stands for -f_t g/|g|^2 and may be limited [m/s].
-PointEquations point_equations(const Jet& jet, const StrainResponse& strain, const Vec3& normal_velocity);
+MotionEquations motion_equations(const Jet& jet, const StrainResponse& strain, const Vec3& normal_velocity);
 
 /// The fitted motion at the centre of a window.
 struct AffineFit {
@@ -33,29 +33,30 @@ struct AffineFit {
   double determined = 0;
 };
 
-/// Weighted sums of point equations about a centre x.
+/// Weighted sums of equations, moved to a common centre x.
 class WindowSums {
  public:
-  WindowSums(const Vec3& centre, double radius) : centre_(centre), radius_(radius) {}
+  explicit WindowSums(const Vec3& centre) : centre_(centre) {}
 
-  /// Adds the equations at y with weight w >= 0.
-  void add(const PointEquations& point, const Vec3& y, double w);
+  /// Adds the equations about y with the factor w >= 0.
+  void add(const MotionEquations& equations, const Vec3& y, double w);
 
-  double weight() const { return weight_; }
+  double weight() const;
 
-  /// Minimises the weighted mean of the squared rows + |Lambda (a, r G)|^2, r the radius and Lambda = 3e-5 on
-  /// a, 3e-4 on the rotation, 3e-2 on the strain: a motion that the rows do not determine is the least one,
-  /// translation before rotation before strain. Zero without weight. normal: unit normal at x.
-  AffineFit solve(const Vec3& normal) const;
+  /// Their sum about the centre, exactly.
+  MotionEquations equations() const;
+
+  /// Minimises the weighted mean of the squared rows + |Lambda (a, r G)|^2, r the radius [m] and Lambda =
+  /// 3e-5 on a, 3e-4 on the rotation, 3e-2 on the strain: a motion that the rows do not determine is the
+  /// least one, translation before rotation before strain. Zero without weight. normal: unit normal at x.
+  AffineFit solve(double radius, const Vec3& normal) const;
 
  private:
   Vec3 centre_;
-  double radius_;
-  double weight_ = 0;
-  Eigen::Array<double, PointEquations::kSize, 1> zeroth_ =
-      Eigen::Array<double, PointEquations::kSize, 1>::Zero();
-  Eigen::Array<double, PointEquations::kShifted, 3> first_ =
-      Eigen::Array<double, PointEquations::kShifted, 3>::Zero();            // times d = y - x
+  Eigen::Array<double, MotionEquations::kSize, 1> zeroth_ =
+      Eigen::Array<double, MotionEquations::kSize, 1>::Zero();
+  Eigen::Array<double, MotionEquations::kShifted, 3> first_ =
+      Eigen::Array<double, MotionEquations::kShifted, 3>::Zero();           // times d = y - x
   Eigen::Array<double, 8, 6> second_ = Eigen::Array<double, 8, 6>::Zero();  // e e^T times d d^T
 };
 

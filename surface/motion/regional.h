@@ -10,9 +10,10 @@ namespace kappaflow {
 ///   minimise over a, G   sum_j w_j |rows(y_j) (a, G)|^2 / sum_j w_j + |Lambda (a, r G)|^2,
 ///   w_j = area_j (1 - |y_j - x|^2/r^2)^2.
 /// The window holds the points that are connected to x along the mesh within r = 1.25 jet.length_scale; where
-/// they do not determine the tangential velocity it grows, to twice the radius at most. Meshes finer than
-/// 0.25 length scales are sampled, so that the cost of a vertex does not depend on the mesh. Exact for rigid
-/// motions; for every affine motion of the material where the field knows its StrainResponse.
+/// they do not determine the tangential velocity it grows, to twice the radius at most. The weight is taken
+/// per patch of half a length scale, each patch's rows summed exactly, so that the cost of a vertex does not
+/// depend on the density of the mesh. Exact for rigid motions; for every affine motion of the material where
+/// the field knows its StrainResponse.
 /// Confidence: AffineFit::determined as s in s/sqrt(s^2 + damping^2); the damping is used for nothing else.
 /// A point without neighbours is a window by itself.
 void evaluate_regional(const Field& field, const SurfacePoints& points, const VelocityOptions& options,

@@ -69,14 +69,14 @@ Window random_window(unsigned seed) {
 }
 
 AffineFit fit(const Window& window, double radius, const std::vector<double>& weight) {
-  WindowSums sums(window.centre, radius);
+  WindowSums sums(window.centre);
   for (std::size_t i = 0; i < window.points.size(); ++i) {
     StrainResponse strain;
     const Jet jet = window.field.jet(window.points[i], strain);
-    sums.add(point_equations(jet, strain, -jet.f_t / jet.g.squaredNorm() * jet.g), window.points[i],
+    sums.add(motion_equations(jet, strain, -jet.f_t / jet.g.squaredNorm() * jet.g), window.points[i],
              weight[i]);
   }
-  return sums.solve(window.field.jet(window.centre).g.normalized());
+  return sums.solve(radius, window.field.jet(window.centre).g.normalized());
 }
 
 /// Lambda for (a, G): 3e-5 on a, and on r G 3e-4 for its antisymmetric and 3e-2 for its symmetric part.
@@ -134,7 +134,7 @@ TEST(AffineFit, DoesNotDependOnTheUnitOfTheWeights) {
 }
 
 TEST(AffineFit, OfNothingIsNothing) {
-  const AffineFit nothing = WindowSums(Vec3::Zero(), 1).solve(Vec3::UnitX());
+  const AffineFit nothing = WindowSums(Vec3::Zero()).solve(1, Vec3::UnitX());
   EXPECT_EQ(nothing.velocity, Vec3(Vec3::Zero()));
   EXPECT_EQ(nothing.determined, 0);
 }

@@ -133,12 +133,11 @@ TEST(Regional, FollowsAViscousFlow) {
 TEST(Regional, DoesNotDependOnTheDensityOfTheMesh) {
   const ParticleField field = staircase_field(25);
   const double coarse = slip_on_flow(field, 0.6 * 0.0635, {}), fine = slip_on_flow(field, 0.25 * 0.0635, {});
-  EXPECT_NEAR(fine, coarse, 0.1 * coarse);
+  EXPECT_NEAR(fine, coarse, 0.15 * coarse);
 }
 
 /// A flat sheet of particles, and a second one above it that moves the other way.
 FieldParticles sheets(double gap, bool with_second) {
-  std::mt19937 random(3);
   FieldParticles particles;
   for (int sheet = 0; sheet < (with_second ? 2 : 1); ++sheet) {
     std::mt19937 same(5 + sheet);
@@ -171,6 +170,138 @@ TEST(Regional, TheOtherSideOfAGapHasNoVote) {
           nearest = std::min(nearest, (mesh.position[v] - mesh.position[w]).norm());
   }
   EXPECT_LT(nearest, 0.9);  // the windows reach 1.25
+}
+
+/// A flat disc of one layer of particles, thinner than a window's radius: its two sides are one surface.
+FieldParticles disc(double radius) {
+  FieldParticles particles = sheets(0, false);
+  std::vector<Vec3> kept;
+  for (const Vec3& x : particles.position)
+    if ((x - Vec3(2.75, 2.75, 0)).head<2>().norm() < radius) kept.push_back(x);
+  return testing::rotating_particles(kept, 1, 0);
+}
+
+/// Wraps a field so that it moves differently on the two sides of z = 0: what no affine motion does.
+class TwoSided final : public Field {
+ public:
+  TwoSided(const FieldParticles& above, const FieldParticles& below, double threshold)
+      : above_(above, threshold, 0), below_(below, threshold, 0) {}
+  double time() const override { return 0; }
+  Jet jet(const Vec3& x) const override { return side(x).jet(x); }
+  Jet jet(const Vec3& x, StrainResponse& strain) const override { return side(x).jet(x, strain); }
+  ValueAndGradient value_and_gradient(const Vec3& x) const override { return side(x).value_and_gradient(x); }
+  Bounds bounds() const override { return above_.bounds(); }
+  double length_scale() const override { return above_.length_scale(); }
+  double fastest_speed() const override { return std::max(above_.fastest_speed(), below_.fastest_speed()); }
+
+ private:
+  const ParticleField& side(const Vec3& x) const { return x[2] > 0 ? above_ : below_; }
+  ParticleField above_, below_;
+};
+
+// The two sides of a film, nearer to each other than a window's radius, are told different motions: away from
+// the rim each side knows its own only.
+TEST(Regional, TheOtherSideOfAFilmHasNoVote) {
+  FieldParticles above = disc(2.7), below = above;
+  testing::set_velocities(above, [](const Vec3&) { return Vec3(1, 0, 0); });
+  testing::set_velocities(below, [](const Vec3&) { return Vec3(-1, 0.5, 0); });
+  const TwoSided field(above, below, 0.5);
+  const TriangleMesh mesh = projected_isosurface(field, 0.2);
+  const SurfaceVelocities result = regional(field, mesh);
+  int inner = 0;
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+    const Vec3& x = mesh.position[v];
+    if ((x - Vec3(2.75, 2.75, 0)).head<2>().norm() > 1) continue;
+    ++inner;
+    EXPECT_LT(std::abs(x[2]), 0.8);
+    EXPECT_LT((result.velocity[v] - (x[2] > 0 ? Vec3(1, 0, 0) : Vec3(-1, 0.5, 0))).norm(), 1e-4);
+  }
+  EXPECT_GT(inner, 50);
+}
+
+// One particle's sphere looks the same however it spins: its surface moves with the centre, and the method
+// says that it does not know better.
+TEST(Regional, OnASphereTakesTheLeastMotionAndSaysSo) {
+  FieldParticles one = testing::rotating_particles({Vec3(0.1, 0.2, 0.3)}, 1, 0);
+  one.velocity[0] = Vec3(1, -2, 0.5);
+  const ParticleField sphere(one, 0.3, 0);
+  const TriangleMesh mesh = projected_isosurface(sphere, 0.15);
+  const SurfaceVelocities result = regional(sphere, mesh);
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+    EXPECT_LT((result.velocity[v] - one.velocity[0]).norm(), 0.03);
+    EXPECT_LT(result.confidence[v], 0.05);
+  }
+}
+
+/// Particles whose field claims a third of its length scale: windows start small.
+class FineScaled final : public Field {
+ public:
+  FineScaled(const FieldParticles& particles, double threshold) : field_(particles, threshold, 0) {}
+  double time() const override { return 0; }
+  Jet jet(const Vec3& x) const override { return fine(field_.jet(x)); }
+  Jet jet(const Vec3& x, StrainResponse& strain) const override { return fine(field_.jet(x, strain)); }
+  ValueAndGradient value_and_gradient(const Vec3& x) const override { return field_.value_and_gradient(x); }
+  Bounds bounds() const override { return field_.bounds(); }
+  double length_scale() const override { return field_.length_scale() / 3; }
+  double fastest_speed() const override { return field_.fastest_speed(); }
+
+ private:
+  static Jet fine(Jet jet) {
+    jet.length_scale /= 3;
+    return jet;
+  }
+  ParticleField field_;
+};
+
+// A turning sphere with a bump: at the distance of these vertices from the bump the first window, of radius
+// 0.42, sees a sphere, and a larger one the bump.
+TEST(Regional, GrowsItsWindowWhereASphericalCapIsBlind) {
+  FieldParticles body =
+      testing::rotating_particles({Vec3(0, 0, 0), Vec3(0.75, 0, 0), Vec3(0.7, 0.35, 0.1)}, 1, 2);
+  body.sigma = {1, 0.45, 0.4};
+  const FineScaled field(body, 0.3);
+  const TriangleMesh mesh = projected_isosurface(field, 0.08);
+  const SurfaceVelocities result = regional(field, mesh);
+  const auto is_blind = [](const Vec3& x) { return x[0] > -0.3 && x[0] < -0.15; };
+  const auto truth = [&](std::size_t v) {
+    return is_blind(mesh.position[v]) ? Vec3(2 * Vec3::UnitZ().cross(mesh.position[v])) : Vec3(Vec3::Zero());
+  };
+  const auto error = [&](std::size_t v) {
+    return is_blind(mesh.position[v]) ? Vec3(result.velocity[v] - truth(v)) : Vec3(Vec3::Zero());
+  };
+  EXPECT_LT(ratio(mesh.vertex_count(), error, truth), 0.1);
+}
+
+TEST(Regional, TurnsWithTheFrame) {
+  const Mat3 Q = testing::rotation(Vec3(1, -0.5, 2));
+  testing::Body body = testing::read_body175();
+  std::mt19937 random(2);
+  testing::set_velocities(body.particles, [&](const Vec3&) { return testing::random_vector(random, 1); });
+  const ParticleField field(body.particles, body.threshold, 0);
+  const TriangleMesh mesh = projected_isosurface(field, 0.08);
+  TriangleMesh turned_mesh = mesh;
+  for (auto* position : {&body.particles.position, &body.particles.velocity, &turned_mesh.position})
+    for (Vec3& x : *position) x = Q * x;
+  const ParticleField turned(body.particles, body.threshold, 0);
+  const SurfaceVelocities a = regional(field, mesh), b = regional(turned, turned_mesh);
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+    EXPECT_LT((Q * a.velocity[v] - b.velocity[v]).norm(), 1e-8);
+    EXPECT_NEAR(a.confidence[v], b.confidence[v], 1e-8);
+  }
+}
+
+TEST(Regional, IsTheSameForAnyNumberOfThreads) {
+  const ParticleField field = staircase_field(12);
+  const TriangleMesh mesh = projected_isosurface(field, 0.04);
+  std::vector<SurfaceVelocities> results;
+  for (const std::size_t threads : {1, 2, 4}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    results.push_back(regional(field, mesh));
+  }
+  for (const std::size_t k : {1, 2}) {
+    EXPECT_EQ(results[0].velocity, results[k].velocity);
+    EXPECT_EQ(results[0].confidence, results[k].confidence);
+  }
 }
 
 }  // namespace
