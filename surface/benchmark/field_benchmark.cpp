@@ -1,5 +1,4 @@
-// Time per surface point of the field and of each velocity method, for a cube of particles with sigma = 2
-// spacings.
+// Time per surface point of the field, for a cube of particles with sigma = 2 spacings.
 #include <benchmark/benchmark.h>
 #include <tbb/global_control.h>
 
@@ -8,7 +7,6 @@
 
 #include "surface/field/enright_flow.h"
 #include "surface/field/particle_field.h"
-#include "surface/motion/velocity.h"
 
 namespace {
 
@@ -65,6 +63,12 @@ void jet(benchmark::State& state) {
 }
 BENCHMARK(jet)->Arg(20)->Arg(47);
 
+void jet_and_strain_response(benchmark::State& state) {
+  StrainResponse strain;
+  run_pointwise(state, [&](const ParticleField& field, const Vec3& x) { return field.jet(x, strain); });
+}
+BENCHMARK(jet_and_strain_response)->Arg(20)->Arg(47);
+
 void value_and_gradient(benchmark::State& state) {
   run_pointwise(state, [](const ParticleField& field, const Vec3& x) { return field.value_and_gradient(x); });
 }
@@ -116,23 +120,5 @@ void enright_value_and_gradient(benchmark::State& state) {
   run_on_enright(state, [](const EnrightField& field, const Vec3& x) { return field.value_and_gradient(x); });
 }
 BENCHMARK(enright_value_and_gradient);
-
-void method(benchmark::State& state, const VelocityMethod& method, const VelocityOptions& options) {
-  const Scene scene(47);
-  const std::vector<double> area(scene.points.size(), kSpacing * kSpacing);
-  const VertexRings rings{.start = std::vector<int>(scene.points.size() + 1, 0), .neighbour = {}};
-  SurfaceVelocities velocities;
-  for (auto _ : state) method.evaluate(scene.field, {scene.points, area, rings}, options, velocities);
-  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(scene.points.size()));
-}
-
-const bool kMethodsRegistered = [] {
-  for (const VelocityMethod& m : velocity_methods())
-    benchmark::RegisterBenchmark(("method/" + std::string(m.name)).c_str(), method, m, VelocityOptions{});
-  for (const Named<Minimiser>& minimiser : kMinimisers)
-    benchmark::RegisterBenchmark(("minimiser/" + std::string(minimiser.name)).c_str(), method,
-                                 velocity_method("curvature"), VelocityOptions{.minimiser = minimiser.value});
-  return true;
-}();
 
 }  // namespace

@@ -32,6 +32,12 @@ class Field {
 
   virtual double time() const = 0;  ///< [s]
   virtual Jet jet(const Vec3& x) const = 0;
+  /// The same with how it answers a strain of the material; the default is a field whose level sets the
+  /// material carries.
+  virtual Jet jet(const Vec3& x, StrainResponse& strain) const {
+    strain = {};
+    return jet(x);
+  }
   virtual ValueAndGradient value_and_gradient(const Vec3& x) const = 0;
 
   /// A box outside of which f < 0.

@@ -37,6 +37,18 @@ struct Jet {
   double fastest_in_reach = 0;  ///< largest speed of what makes the field here [m/s]; bounds |f_t|/|g|
 };
 
+/// How far f is from being carried by its material where that is strained. If the material moves with the
+/// velocity u(y) and the symmetric velocity gradient E (rotations do not matter), then near x
+///   f_t + g . u = R(E),   R linear in E.
+/// Zero where the material carries the level sets. Particles carry round kernels that do not take part in the
+/// strain, hence R != 0 for Eq. 12. Each matrix M below is symmetric and stands for M : E = sum_ab M_ab E_ab.
+struct StrainResponse {
+  Mat3 f = Mat3::Zero();                                            ///< of R [-]
+  std::array<Mat3, 3> g{Mat3::Zero(), Mat3::Zero(), Mat3::Zero()};  ///< of its gradient x, y, z [1/m]
+  std::array<Mat3, 6> A{Mat3::Zero(), Mat3::Zero(), Mat3::Zero(),
+                        Mat3::Zero(), Mat3::Zero(), Mat3::Zero()};  ///< Hessian xx, xy, xz, yy, yz, zz [1/m2]
+};
+
 /// f and its gradient at one point, for projection.
 struct ValueAndGradient {
   double f = 0;

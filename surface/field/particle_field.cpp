@@ -141,6 +141,69 @@ inline Jet ParticleField::JetSums::jet(double threshold) const {
   return jet;
 }
 
+/// The sums over particles that, beside those of the jet, make its response to strain. A particle at x - d
+/// moves with u(x) - G d, so that R(E) = sum w grad phi . E d = sum w b1 d . E d.
+struct ParticleField::StrainSums {
+  Lanes p1_dd[6], p2_ddd[10], p3_dddd[15];
+  Lanes p1 = Lanes::Zero();
+
+  StrainSums() {
+    std::fill_n(p1_dd, 6, Lanes::Zero());
+    std::fill_n(p2_ddd, 10, Lanes::Zero());
+    std::fill_n(p3_dddd, 15, Lanes::Zero());
+  }
+
+  void add(const Hits& hits, std::size_t first);
+  void response(const Jet& jet, StrainResponse& strain) const;
+};
+
+inline void ParticleField::StrainSums::add(const Hits& hits, std::size_t first) {
+  const Lanes d[3] = {load(hits.dx + first), load(hits.dy + first), load(hits.dz + first)};
+  const Lanes w = load(hits.weight + first), is2 = load(hits.inverse_sigma2 + first), k = 2 * is2;
+  const Lanes u = 1 - (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) * is2;
+  const Lanes w_p1 = -3 * w * u * u * k, p2 = 6 * w * u * k * k, p3 = -6 * w * k * k * k;
+  p1 += w_p1;
+  for (int a = 0, ab = 0, abc = 0, abce = 0; a < 3; ++a)
+    for (int b = a; b < 3; ++b, ++ab) {
+      const Lanes dd = d[a] * d[b];
+      p1_dd[ab] += w_p1 * dd;
+      const Lanes p2_dd = p2 * dd, p3_dd = p3 * dd;
+      for (int c = b; c < 3; ++c, ++abc) {
+        p2_ddd[abc] += p2_dd * d[c];
+        const Lanes p3_ddd = p3_dd * d[c];
+        for (int e = c; e < 3; ++e, ++abce) p3_dddd[abce] += p3_ddd * d[e];
+      }
+    }
+}
+
+/// The derivatives of R(E) with the jet's own sums g = sum w b1 d and A = sum w (b2 d d^T + b1 I):
+///   R_c  = sum w b2 d_c d.Ed + 2 (E g)_c
+///   R_ce = sum w b3 d_c d_e d.Ed + delta_ce B:E + 2 (B E + E B)_ce + 2 sum w b1 E_ce,   B = sum w b2 d d^T.
+inline void ParticleField::StrainSums::response(const Jet& jet, StrainResponse& strain) const {
+  // Where a sorted tuple of axes stands in the sums: pairs 00 01 02 11 12 22 and so on.
+  constexpr int pair[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+  constexpr int triple[3][6] = {{0, 1, 2, 3, 4, 5}, {1, 3, 4, 6, 7, 8}, {2, 4, 5, 7, 8, 9}};
+  constexpr int quadruple[6][6] = {{0, 1, 2, 3, 4, 5},    {1, 3, 4, 6, 7, 8},    {2, 4, 5, 7, 8, 9},
+                                   {3, 6, 7, 10, 11, 12}, {4, 7, 8, 11, 12, 13}, {5, 8, 9, 12, 13, 14}};
+  const double s1 = p1.sum();
+  const Mat3 B = jet.A - s1 * Mat3::Identity();
+  std::array<double, 10> ddd;
+  std::array<double, 15> dddd;
+  std::transform(p2_ddd, p2_ddd + 10, ddd.begin(), [](const Lanes& sum) { return sum.sum(); });
+  std::transform(p3_dddd, p3_dddd + 15, dddd.begin(), [](const Lanes& sum) { return sum.sum(); });
+  for (int a = 0; a < 3; ++a)
+    for (int b = 0; b < 3; ++b) {
+      strain.f(a, b) = p1_dd[pair[a][b]].sum();
+      for (int c = 0; c < 3; ++c)
+        strain.g[c](a, b) = ddd[triple[c][pair[a][b]]] + (a == c) * jet.g[b] + (b == c) * jet.g[a];
+      for (int c = 0; c < 3; ++c)
+        for (int e = c; e < 3; ++e)
+          strain.A[pair[c][e]](a, b) = dddd[quadruple[pair[c][e]][pair[a][b]]] + (c == e) * B(a, b) +
+                                       (b == e) * B(c, a) + (a == e) * B(c, b) + (c == a) * B(b, e) +
+                                       (c == b) * B(a, e) + s1 * ((a == c && b == e) + (b == c && a == e));
+    }
+}
+
 ParticleField::ParticleField(const FieldParticles& particles, double threshold, double time)
     : threshold_(threshold), time_(time) {
   check(particles);
@@ -242,6 +305,22 @@ Jet ParticleField::jet(const Vec3& x) const {
     for (std::size_t first = 0; first < hits.count; first += kLanes) sums.add(hits, first);
   });
   return sums.jet(threshold_);
+}
+
+Jet ParticleField::jet(const Vec3& x, StrainResponse& strain) const {
+  Hits hits;
+  JetSums sums;
+  StrainSums strain_sums;
+  visit_hits(x, [&](std::span<const std::uint32_t> indices) {
+    load_hits(x, indices, hits);
+    for (std::size_t first = 0; first < hits.count; first += kLanes) {
+      sums.add(hits, first);
+      strain_sums.add(hits, first);
+    }
+  });
+  const Jet jet = sums.jet(threshold_);
+  strain_sums.response(jet, strain);
+  return jet;
 }
 
 ValueAndGradient ParticleField::value_and_gradient(const Vec3& x) const {

@@ -34,6 +34,9 @@ class ParticleField final : public Field {
   double time() const override { return time_; }
   double threshold() const { return threshold_; }
   Jet jet(const Vec3& x) const override;
+  /// The response is exact for particles whose velocities are an affine function of their position and whose
+  /// weights do not depend on it.
+  Jet jet(const Vec3& x, StrainResponse& strain) const override;
   ValueAndGradient value_and_gradient(const Vec3& x) const override;
   Bounds bounds() const override { return bounds_; }
   double length_scale() const override { return smallest_sigma_; }  ///< 0 without particles
@@ -52,6 +55,7 @@ class ParticleField final : public Field {
   };
   struct Hits;
   struct JetSums;
+  struct StrainSums;
 
   void set_particles(const FieldParticles& particles);
   template <class Consume>

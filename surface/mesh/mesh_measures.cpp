@@ -116,8 +116,8 @@ double smallest_angle(std::span<const Vec3> position, std::span<const Triangle> 
     return least;
   };
   // The smallest angle of a triangle is at most 60 degrees.
-  const double least = parallel_reduce(
-      triangles.size(), std::numbers::pi / 3, angle, [](double a, double b) { return std::min(a, b); });
+  const double least = parallel_reduce(triangles.size(), std::numbers::pi / 3, angle,
+                                       [](double a, double b) { return std::min(a, b); });
   return 180 / std::numbers::pi * least;
 }
 

@@ -36,4 +36,24 @@ void evaluate_curvature(const Field& field, const SurfacePoints& points, const V
   });
 }
 
+void evaluate_curvature_first(const Field& field, const SurfacePoints& points, const VelocityOptions& options,
+                              SurfaceVelocities& result) {
+  constexpr double kUndetermined = 3;  // mu over the damping
+  evaluate_pointwise(field, points, result, [&](const Vec3& /*x*/, const Jet& jet) {
+    const TangentBasis basis = tangent_basis(jet.g.normalized());
+    const Vec3 v_n = normal_velocity(jet, options);
+    const TangentialRows<2> curvature = curvature_rows(jet, basis, v_n), total = total_rows(jet, basis, v_n);
+    const Vec2 by_curvature = solve_damped(curvature, options.damping).y,
+               by_total = solve_damped(total, options.damping).y;
+    const auto [Q, V] = orthogonal_columns(curvature.R);
+    Vec2 y = by_total;
+    for (int k = 0; k < 2; ++k) {
+      const double share = std::pow(confidence(Q.col(k).norm(), kUndetermined * options.damping), 2);
+      y += share * V.col(k).dot(by_curvature - by_total) * V.col(k);
+    }
+    return PointVelocity{v_n + limited(basis * y, options.speed_limit * field.fastest_speed()),
+                         solve_damped(stacked(total, curvature), options.damping).confidence};
+  });
+}
+
 }  // namespace kappaflow

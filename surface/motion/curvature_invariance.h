@@ -20,4 +20,12 @@ void evaluate_curvature_only(const Field& field, const SurfacePoints& points, co
 void evaluate_curvature(const Field& field, const SurfacePoints& points, const VelocityOptions& options,
                         SurfaceVelocities& result);
 
+/// Method `curvature-first`: under rotation Eq. 5 contradicts Eqs. 7-8, so their sum is biased. Here the
+/// curvature rows decide the directions v_k that they determine, and Eq. 5 fills the rest:
+///   y = sum_k v_k (p_k y_c . v_k + (1 - p_k) y_t . v_k),   p_k = s_k^2/(s_k^2 + mu^2),   mu = 3 damping,
+/// y_c and y_t the solutions of Eqs. 7-8 and of Eq. 5, s_k and v_k the singular values and right singular
+/// vectors of the curvature rows. Confidence: that of all rows together.
+void evaluate_curvature_first(const Field& field, const SurfacePoints& points, const VelocityOptions& options,
+                              SurfaceVelocities& result);
+
 }  // namespace kappaflow

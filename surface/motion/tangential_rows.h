@@ -27,36 +27,53 @@ TangentialRows<M + N> stacked(const TangentialRows<M>& first, const TangentialRo
   return both;
 }
 
-/// The minimum y of |R y - b|^2 + lambda^2 |y|^2 and s/sqrt(s^2 + lambda^2) of the smaller singular value s
-/// of R.
-struct DampedSolution {
-  Vec2 y;
-  double confidence;
+/// s/sqrt(s^2 + lambda^2) in [0, 1]: how well a direction with the singular value s of the dimensionless rows
+/// is determined.
+inline double confidence(double s, double lambda) {
+  const double sum = s * s + lambda * lambda;
+  return sum > 0 ? std::sqrt(s * s / sum) : 0;
+}
+
+/// R = Q V^T with orthonormal V and orthogonal columns of Q, whose lengths are the singular values of R.
+template <int Rows>
+struct OrthogonalColumns {
+  Eigen::Matrix<double, Rows, 2> Q;
+  Eigen::Matrix2d V;
 };
 
-/// Solves in closed form: one Jacobi rotation makes the columns of R orthogonal, their lengths are the
-/// singular values (Hestenes 1958). R^T R is not formed, so a small singular value keeps its digits. Without
-/// damping, a direction that R says nothing about gets no velocity.
+/// In closed form: one Jacobi rotation (Hestenes 1958). R^T R is not formed, so a small singular value keeps
+/// its digits.
 template <int Rows>
-DampedSolution solve_damped(const TangentialRows<Rows>& rows, double lambda) {
-  const double a = rows.R.col(0).squaredNorm(), c = rows.R.col(1).squaredNorm(),
-               ac = rows.R.col(0).dot(rows.R.col(1));
+OrthogonalColumns<Rows> orthogonal_columns(const Eigen::Matrix<double, Rows, 2>& R) {
+  const double a = R.col(0).squaredNorm(), c = R.col(1).squaredNorm(), ac = R.col(0).dot(R.col(1));
   const double zeta = 0.5 * (c - a);
   const double length = std::sqrt(zeta * zeta + ac * ac);  // rows of order 1: hypot's care would cost more
                                                            // than all the rest
   const double tangent = length == 0 ? 0 : ac / (zeta + std::copysign(length, zeta));
   const double cosine = 1 / std::sqrt(1 + tangent * tangent), sine = cosine * tangent;
-  Eigen::Matrix2d V;
-  V << cosine, sine, -sine, cosine;
-  const Eigen::Matrix<double, Rows, 2> Q = rows.R * V;
+  OrthogonalColumns<Rows> result;
+  result.V << cosine, sine, -sine, cosine;
+  result.Q = R * result.V;
+  return result;
+}
+
+/// The minimum y of |R y - b|^2 + lambda^2 |y|^2 and the confidence of the smaller singular value of R.
+struct DampedSolution {
+  Vec2 y;
+  double confidence;
+};
+
+/// Without damping, a direction that R says nothing about gets no velocity.
+template <int Rows>
+DampedSolution solve_damped(const TangentialRows<Rows>& rows, double lambda) {
+  const auto [Q, V] = orthogonal_columns(rows.R);
   const auto damped = [lambda](double s2, double projection) {
     const double sum = s2 + lambda * lambda;
     return sum > 0 ? projection / sum : 0;
   };
   const double s0 = Q.col(0).squaredNorm(), s1 = Q.col(1).squaredNorm();
   const Vec2 in_v(damped(s0, Q.col(0).dot(rows.b)), damped(s1, Q.col(1).dot(rows.b)));
-  const double smaller = std::min(s0, s1);
-  return {V * in_v, std::sqrt(damped(smaller, smaller))};
+  return {V * in_v, confidence(std::sqrt(std::min(s0, s1)), lambda)};
 }
 
 /// The damped sum of squares and its gradient, in units of a speed: z = y / scale.

@@ -9,6 +9,7 @@
 #include "surface/motion/curvature_invariance.h"
 #include "surface/motion/material.h"
 #include "surface/motion/normal.h"
+#include "surface/motion/regional.h"
 #include "surface/motion/total.h"
 
 namespace kappaflow {
@@ -20,6 +21,10 @@ std::span<const VelocityMethod> velocity_methods() {
       VelocityMethod{"curvature", "keeps normal and curvatures as well as both can be (Eq. 10)",
                      evaluate_curvature},
       VelocityMethod{"curvature-only", "keeps the curvatures K and H (Eqs. 7-8)", evaluate_curvature_only},
+      VelocityMethod{"curvature-first", "keeps the curvatures, and the normal where they leave it open",
+                     evaluate_curvature_first},
+      VelocityMethod{"regional", "fits one affine motion to a neighbourhood of each point",
+                     evaluate_regional},
       VelocityMethod{"material", "follows the particles' velocities (moving least squares)",
                      evaluate_material},
   };

@@ -17,7 +17,8 @@
 
 namespace kappaflow {
 
-/// A batch of points on the surface at one instant. Pointwise methods read the positions alone.
+/// A batch of points on the surface at one instant. Pointwise methods read the positions alone; `regional`
+/// reads all.
 struct SurfacePoints {
   std::span<const Vec3> position;  ///< [m]
   std::span<const double> area;    ///< a third of the area of the triangles around the point [m2]
@@ -35,7 +36,7 @@ inline constexpr Named<Minimiser> kMinimisers[] = {
 /// Options of the velocity methods.
 struct VelocityOptions {
   /// lambda of the damped least squares (R^T R + lambda^2 I) y = R^T b on the dimensionless rows. 0.1 suits
-  /// flows, 1e-6 rigid bodies.
+  /// flows, 1e-6 rigid bodies. `regional` scales its confidence with it and nothing else.
   double damping = 0.1;
   /// |v_t| is limited to this factor times Field::fastest_speed(), and |v_n| to this factor times the fastest
   /// speed in reach. In a rotation the surface is faster than any particle centre: use 4 for few rotating

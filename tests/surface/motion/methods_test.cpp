@@ -40,8 +40,8 @@ TEST(VelocityMethods, AreFoundByName) {
     EXPECT_EQ(&velocity_method(method.name), &method);
     names.insert(method.name);
   }
-  EXPECT_EQ(names,
-            (std::set<std::string_view>{"normal", "total", "curvature", "curvature-only", "material"}));
+  EXPECT_EQ(names, (std::set<std::string_view>{"normal", "total", "curvature", "curvature-only",
+                                               "curvature-first", "regional", "material"}));
   try {
     velocity_method("magic");
     FAIL() << "an unknown method was accepted";
@@ -147,6 +147,12 @@ TEST(VelocityMethods, DoNotDependOnTheTangentBasis) {
   }
 }
 
+/// What rounding may change: a point alone leaves much of the affine motion of `regional` to its small
+/// damping, which rounding is divided by.
+double rounding(const VelocityMethod& method) {
+  return method.name == "regional" ? 1e-7 : 1e-10;
+}
+
 TEST(VelocityMethods, TurnWithTheFrame) {
   const Mat3 Q = Eigen::AngleAxisd(1.1, Vec3(1, 2, -2).normalized()).toRotationMatrix();
   const Vec3 shift(3, -1, 2);
@@ -165,7 +171,7 @@ TEST(VelocityMethods, TurnWithTheFrame) {
     const SurfaceVelocities a = velocities_at(field, method.name, points, {});
     const SurfaceVelocities b = velocities_at(turned, method.name, turned_points, {});
     for (std::size_t i = 0; i < points.size(); ++i) {
-      EXPECT_LT((Q * a.velocity[i] - b.velocity[i]).norm(), 1e-10) << method.name;
+      EXPECT_LT((Q * a.velocity[i] - b.velocity[i]).norm(), rounding(method)) << method.name;
       EXPECT_NEAR(a.confidence[i], b.confidence[i], 1e-10) << method.name;
     }
   }
@@ -189,7 +195,7 @@ TEST(VelocityMethods, ScaleWithTheUnits) {
     const SurfaceVelocities a = velocities_at(field, method.name, points, {});
     const SurfaceVelocities b = velocities_at(scaled, method.name, scaled_points, {});
     for (std::size_t i = 0; i < points.size(); ++i)
-      EXPECT_LT((a.velocity[i] - kTime / kLength * b.velocity[i]).norm(), 1e-10) << method.name;
+      EXPECT_LT((a.velocity[i] - kTime / kLength * b.velocity[i]).norm(), rounding(method)) << method.name;
   }
 }
 

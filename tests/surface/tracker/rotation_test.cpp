@@ -9,6 +9,7 @@
 #include "surface/tracker/initial_mesh.h"
 #include "surface/tracker/surface_tracker.h"
 #include "tests/surface/mesh/analytic_fields.h"
+#include "tests/surface/reference_data.h"
 
 namespace kappaflow {
 namespace {
@@ -26,11 +27,12 @@ auto turning(int count, double radius, int n) {
                                     static_cast<double>(n + 1) / kStepsATurn, centre, 1, kThreshold);
 }
 
-SurfaceTracker tracker_of(const TriangleMesh& start, const std::string& method, TimeIntegrator integrator) {
+SurfaceTracker tracker_of(const TriangleMesh& start, const std::string& method, TimeIntegrator integrator,
+                          double damping = 1e-6) {
   return {start,
           {.method = method,
            .integrator = integrator,
-           .velocity = {.damping = 1e-6, .speed_limit = 4},
+           .velocity = {.damping = damping, .speed_limit = 4},
            .projection = {.tolerance = 1e-10},
            .fairing = {.iterations = 0}}};
 }
@@ -100,12 +102,56 @@ TEST_P(ThreeParticles, ErrorOverATurnIsTheReferences) {
   EXPECT_NEAR(error_over_a_turn(reference.method, reference.radius), reference.error, 0.06 * reference.error);
 }
 
-INSTANTIATE_TEST_SUITE_P(Methods, ThreeParticles,
-                         ::testing::Values(Reference{0.3, "total", 0.846},
-                                           Reference{0.3, "curvature-only", 0.114},
-                                           Reference{0.3, "curvature", 0.577}, Reference{0.5, "total", 0.420},
-                                           Reference{0.5, "curvature-only", 0.401},
-                                           Reference{0.5, "curvature", 0.307}));
+INSTANTIATE_TEST_SUITE_P(
+    Methods, ThreeParticles,
+    ::testing::Values(Reference{0.3, "total", 0.846}, Reference{0.3, "curvature-only", 0.114},
+                      Reference{0.3, "curvature", 0.577}, Reference{0.3, "curvature-first", 0.089},
+                      Reference{0.5, "total", 0.420}, Reference{0.5, "curvature-only", 0.401},
+                      Reference{0.5, "curvature", 0.307}, Reference{0.5, "curvature-first", 0.273}));
+
+/// Distance to the true trajectory of particles that turn about the z axis, averaged over the vertices and
+/// the steps, in units of the body's largest distance from the axis; `regional` with the default damping.
+double error_of_regional(const FieldParticles& body, double threshold, double spacing, int turns,
+                         int steps_a_turn) {
+  const auto motion = [&](int n) {
+    const auto field_at = [&](double t) -> std::shared_ptr<const Field> {
+      FieldParticles turned = body;
+      for (Vec3& x : turned.position) x = testing::rotation(2 * std::numbers::pi * t * Vec3::UnitZ()) * x;
+      testing::set_velocities(
+          turned, [](const Vec3& x) { return Vec3(2 * std::numbers::pi * Vec3::UnitZ().cross(x)); });
+      return std::make_shared<ParticleField>(turned, threshold, t);
+    };
+    return testing::FunctionMotion(static_cast<double>(n) / steps_a_turn,
+                                   static_cast<double>(n + 1) / steps_a_turn, field_at);
+  };
+  const TriangleMesh start = initial_mesh(*motion(0).at(0), spacing, {.tolerance = 1e-10});
+  SurfaceTracker tracker = tracker_of(start, "regional", TimeIntegrator::rk4, VelocityOptions{}.damping);
+  double sum = 0, size = 0;
+  for (const Vec3& x : start.position) size = std::max(size, std::hypot(x[0], x[1]));
+  for (int n = 0; n < turns * steps_a_turn; ++n) {
+    auto step = motion(n);
+    EXPECT_EQ(tracker.step(step).unprojected, 0u);
+    sum += mean_distance(tracker.mesh().position, start.position,
+                         testing::rotation(2 * std::numbers::pi * step.t1() * Vec3::UnitZ()));
+  }
+  return sum / (turns * steps_a_turn) / size;
+}
+
+TEST(Regional, FollowsThreeParticlesForThreeTurns) {
+  for (const double radius : {0.3, 0.5}) {
+    FieldParticles three;
+    for (const double angle : {90, 210, 330})
+      three.position.push_back(testing::rotation(angle * std::numbers::pi / 180 * Vec3::UnitZ()) *
+                               Vec3(radius, 0, 0));
+    three = testing::rotating_particles(three.position, 1, 0);
+    EXPECT_LT(error_of_regional(three, kThreshold, 0.2, 3, kStepsATurn), 1e-4);
+  }
+}
+
+TEST(Regional, FollowsSevenUnequalParticlesForTenTurns) {
+  const testing::Body seven = testing::read_body_of_seven();
+  EXPECT_LT(error_of_regional(seven.particles, seven.threshold, 0.2, 10, 60), 1e-4);
+}
 
 }  // namespace
 }  // namespace kappaflow

@@ -1,0 +1,63 @@
+// Least squares for the affine motion of a piece of an implicit surface, u(y) = a + G (y - x).
+#pragma once
+
+#include <Eigen/Core>
+
+#include "surface/field/jet.h"
+
+namespace kappaflow {
+
+/// What one surface point y, or a patch of them, says about the affine motion around it: the normal equations
+/// of seven rows a point: that the motion carries f and its Hessian, up to the field's response to strain,
+///   (f_t + g . u - R(E)) / |g| = 0
+///   (A_t + C u + G^T A + A G - R''(E)) L^2/|g| = 0
+/// with E the symmetric part of G, L = jet.length_scale, C the third derivatives, R'' the Hessian of R. With
+/// the rows [e | c | b], e the coefficients of u(y) [-], c those of G [m], row by row, and b the right-hand
+/// side [m/s], the sums over the rows of e e^T, e b, e c^T, c c^T, c b are kept side by side. The rows of the
+/// Hessian have a weight that bounds what one point can say where |g| vanishes. Last comes the weight of all.
+struct MotionEquations {
+  static constexpr int kShifted = 36;  // e e^T (6), e b (3), e c^T (27): what moving the centre needs
+  static constexpr int kSize = 92;     // c c^T (45), c b (9), weight, padding
+  Eigen::Array<double, kSize, 1> sums = Eigen::Array<double, kSize, 1>::Zero();
+};
+
+/// The equations at a point with g != 0. normal_velocity stands for -f_t g/|g|^2 and may be limited [m/s].
+MotionEquations motion_equations(const Jet& jet, const StrainResponse& strain, const Vec3& normal_velocity);
+
+/// The fitted motion at the centre of a window.
+struct AffineFit {
+  Vec3 velocity = Vec3::Zero();  ///< a [m/s]
+  /// How strongly the rows bind the velocity where everything else is free to adapt: the square root of the
+  /// smallest eigenvalue, over the directions in the tangent plane, of the information about a (the Schur
+  /// complement of the weighted mean of the normal equations) [-]. 0: a tangential motion that no row sees.
+  double determined = 0;
+};
+
+/// Weighted sums of equations, moved to a common centre x.
+class WindowSums {
+ public:
+  explicit WindowSums(const Vec3& centre) : centre_(centre) {}
+
+  /// Adds the equations about y with the factor w >= 0.
+  void add(const MotionEquations& equations, const Vec3& y, double w);
+
+  double weight() const;
+
+  /// Their sum about the centre, exactly.
+  MotionEquations equations() const;
+
+  /// Minimises the weighted mean of the squared rows + |Lambda (a, r G)|^2, r the radius [m] and Lambda =
+  /// 3e-5 on a, 3e-4 on the rotation, 3e-2 on the strain: a motion that the rows do not determine is the
+  /// least one, translation before rotation before strain. Zero without weight. normal: unit normal at x.
+  AffineFit solve(double radius, const Vec3& normal) const;
+
+ private:
+  Vec3 centre_;
+  Eigen::Array<double, MotionEquations::kSize, 1> zeroth_ =
+      Eigen::Array<double, MotionEquations::kSize, 1>::Zero();
+  Eigen::Array<double, MotionEquations::kShifted, 3> first_ =
+      Eigen::Array<double, MotionEquations::kShifted, 3>::Zero();           // times d = y - x
+  Eigen::Array<double, 8, 6> second_ = Eigen::Array<double, 8, 6>::Zero();  // e e^T times d d^T
+};
+
+}  // namespace kappaflow
