@@ -189,6 +189,20 @@ std::string TomlTable::text(std::string_view key, const std::optional<std::strin
   return value->get();
 }
 
+std::vector<std::string> TomlTable::texts(std::string_view key) {
+  constexpr std::string_view allowed = "an array of strings";
+  const toml::node* node = find(key, true, allowed);
+  if (!node) return {""};
+  const toml::array* array = node->as_array();
+  if (!array || array->empty()) refuse(key, *node, allowed);
+  std::vector<std::string> found;
+  for (const toml::node& element : *array) {
+    if (!element.is_string()) refuse(key, element, allowed);
+    found.push_back(element.ref<std::string>());
+  }
+  return found;
+}
+
 std::vector<int> TomlTable::integers(std::string_view key, int lower, int upper,
                                      const std::vector<int>& fallback) {
   const toml::node* node = find(key);

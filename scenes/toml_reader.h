@@ -65,6 +65,8 @@ class TomlTable {
                                   std::optional<double> fallback);
   /// A string without control characters.
   std::string text(std::string_view key, const std::optional<std::string>& fallback = {});
+  /// An array of one or more such strings.
+  std::vector<std::string> texts(std::string_view key);
   /// Distinct strings, each one of `allowed`.
   std::vector<std::string> names(std::string_view key, std::span<const std::string_view> allowed,
                                  const std::vector<std::string>& fallback);

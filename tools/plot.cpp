@@ -19,7 +19,7 @@ extern char** environ;
 namespace kappaflow {
 namespace {
 
-constexpr int kPlotWidth = 760, kPlotHeight = 560;  // [pixels]
+constexpr int kPlotWidth = 860, kPlotHeight = 560;  // [pixels]
 
 // Colours that the colour-blind tell apart (Okabe & Ito 2008).
 constexpr const char* kColours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
@@ -73,7 +73,7 @@ std::string plot_script(const std::string& name, std::span<const Plot> plots) {
       script += data_block(data_name(p, c), plots[p].curves[c], plots[p].log_y);
   script += fmt::format("set terminal pngcairo size {},{} font 'sans,13' noenhanced\n",
                         kPlotWidth * plots.size(), kPlotHeight);
-  script += "set grid lc rgb '#dddddd'\nset key below\nset bmargin 6\n";
+  script += "set grid lc rgb '#dddddd'\nset key outside right center\n";
   script += fmt::format("if (!exists('picture')) picture = '{}.png'\nset output picture\n", name);
   script += fmt::format("set multiplot layout 1,{}\n", plots.size());
   for (std::size_t p = 0; p < plots.size(); ++p) script += plot_command(p, plots[p]);

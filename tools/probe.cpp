@@ -1,8 +1,6 @@
 #include "tools/probe.h"
 
 #include <fmt/format.h>
-#include <vtkDataArray.h>
-#include <vtkPointData.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,63 +11,17 @@
 #include "surface/field/curvature.h"
 #include "surface/field/particle_field.h"
 #include "surface/motion/velocity.h"
-#include "tools/data_files.h"
 #include "tools/number_table.h"
+#include "tools/particle_file.h"
 
 namespace kappaflow {
 namespace {
 
-constexpr const char* kParticleHeader = "x,y,z,vx,vy,vz,weight,sigma";
 constexpr const char* kFieldHeader =
     "x,y,z,f,f_x,f_y,f_z,f_xx,f_xy,f_xz,f_yy,f_yz,f_zz,"
     "f_xxx,f_xxy,f_xxz,f_xyy,f_xyz,f_xzz,f_yyy,f_yyz,f_yzz,f_zzz,"
     "f_t,f_xt,f_yt,f_zt,f_xxt,f_xyt,f_xzt,f_yyt,f_yzt,f_zzt,"
     "K,H,K_x,K_y,K_z,H_x,H_y,H_z,K_t,H_t";
-
-void add_particle(FieldParticles& particles, const Vec3& position, const Vec3& velocity, double weight,
-                  double sigma) {
-  particles.position.push_back(position);
-  particles.velocity.push_back(velocity);
-  particles.weight.push_back(weight);
-  particles.sigma.push_back(sigma);
-  particles.weight_rate.push_back(0);
-}
-
-FieldParticles particles_from_csv(const std::filesystem::path& file) {
-  FieldParticles particles;
-  for (const std::vector<double>& row : read_number_table(file, kParticleHeader))
-    add_particle(particles, {row[0], row[1], row[2]}, {row[3], row[4], row[5]}, row[6], row[7]);
-  return particles;
-}
-
-vtkDataArray& point_array(vtkPolyData& data, const char* name, int components,
-                          const std::filesystem::path& file) {
-  vtkDataArray* array = data.GetPointData()->GetArray(name);
-  if (array == nullptr || array->GetNumberOfComponents() != components)
-    throw InvalidInput({file.string()},
-                       fmt::format("no point array \"{}\" with {} component{}; expected velocity (3), "
-                                   "weight (1), sigma (1)",
-                                   name, components, components == 1 ? "" : "s"));
-  return *array;
-}
-
-FieldParticles particles_from_vtp(const std::filesystem::path& file) {
-  const vtkSmartPointer<vtkPolyData> data = read_vtp(file);
-  vtkDataArray& velocity = point_array(*data, "velocity", 3, file);
-  vtkDataArray& weight = point_array(*data, "weight", 1, file);
-  vtkDataArray& sigma = point_array(*data, "sigma", 1, file);
-  FieldParticles particles;
-  for (vtkIdType i = 0; i < data->GetNumberOfPoints(); ++i)
-    add_particle(particles, Vec3(data->GetPoint(i)), Vec3(velocity.GetTuple3(i)), weight.GetTuple1(i),
-                 sigma.GetTuple1(i));
-  return particles;
-}
-
-FieldParticles read_particles(const std::filesystem::path& file) {
-  if (file.extension() == ".csv") return particles_from_csv(file);
-  if (file.extension() == ".vtp") return particles_from_vtp(file);
-  throw InvalidInput({file.string()}, "unknown kind of particle file; expected .vtp or .csv");
-}
 
 std::vector<Vec3> read_points(const std::filesystem::path& file) {
   std::vector<Vec3> points;
@@ -131,7 +83,7 @@ SurfaceVelocities velocities(const Field& field, const std::string& method, Mini
 }  // namespace
 
 std::string probe(const ProbeOptions& options) {
-  const ParticleField field(read_particles(options.particles), options.threshold, 0);
+  const ParticleField field(read_particle_file(options.particles), options.threshold, 0);
   const std::vector<Vec3> points = read_points(options.points);
   std::string header = kFieldHeader;
   std::vector<SurfaceVelocities> motions;

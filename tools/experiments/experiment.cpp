@@ -10,6 +10,7 @@
 #include "tools/experiments/enright.h"
 #include "tools/experiments/fig9.h"
 #include "tools/experiments/minimisers.h"
+#include "tools/experiments/motions.h"
 #include "tools/experiments/rigid_figures.h"
 #include "tools/files.h"
 #include "tools/plot.h"
@@ -83,6 +84,9 @@ std::span<const Experiment> experiments() {
                  "one particle, thirty turns: the error turn by turn", experiment_fig8},
       Experiment{"body", "experiments/body.toml", "experiments/body.toml",
                  "seven unequal particles, ten turns: features everywhere", experiment_body},
+      Experiment{"motions", "experiments/motions.toml", "experiments/motions.toml",
+                 "every method at one instant: known motions of a body, frames of a real flow",
+                 experiment_motions},
       Experiment{"minimisers", "experiments/minimisers.toml", "experiments/minimisers.toml",
                  "Powell's method, BFGS and the closed form on Eq. 10: agreement and cost",
                  experiment_minimisers},

@@ -182,12 +182,12 @@ std::string csv(const std::vector<Result>& results) {
       "problem,minimiser,vertices,evaluations,ns_per_vertex,rows_ns_per_vertex,rms_difference,"
       "well_posed_difference_max,excess_max,excess_min,elsewhere_fraction,elsewhere_singular_value_max\n";
   for (const Result& r : results)
-    text +=
-        fmt::format("{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}\n", r.problem->name,
-                    name_of(kMinimisers, r.minimiser), r.problem->rows.size(), r.evaluations, r.nanoseconds,
-                    r.problem->jet_nanoseconds, r.difference, r.well_posed_difference, r.excess_max, r.excess_min,
-                    static_cast<double>(r.elsewhere.size()) / static_cast<double>(r.problem->rows.size()),
-                    r.elsewhere.empty() ? 0 : std::ranges::max(r.elsewhere));
+    text += fmt::format("{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}\n",
+                        r.problem->name, name_of(kMinimisers, r.minimiser), r.problem->rows.size(),
+                        r.evaluations, r.nanoseconds, r.problem->jet_nanoseconds, r.difference,
+                        r.well_posed_difference, r.excess_max, r.excess_min,
+                        static_cast<double>(r.elsewhere.size()) / static_cast<double>(r.problem->rows.size()),
+                        r.elsewhere.empty() ? 0 : std::ranges::max(r.elsewhere));
   return text;
 }
 
