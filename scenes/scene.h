@@ -62,10 +62,10 @@ struct SurfaceDescription {
   std::optional<double>
       threshold;             ///< T of Eq. 12; empty ("auto"): half the median of the field at the particles
   double edge_length = 0.5;  ///< spacing of the first mesh's lattice in units of sigma
-  std::vector<std::string> methods{"total",
-                                   "curvature"};  ///< to track with, from velocity_methods(); may be empty
-  TrackerOptions tracker;                         ///< method is set from `methods`
-  int stride = 1;                                 ///< solver steps per tracker step; a frame always ends one
+  /// To track with, from velocity_methods(); may be empty.
+  std::vector<std::string> methods{"material"};
+  TrackerOptions tracker;  ///< method is set from `methods`
+  int stride = 1;          ///< solver steps per tracker step; a frame always ends one
 };
 
 enum class TextureProjection { planar, spherical, box };

@@ -71,6 +71,10 @@ TEST_F(QuickExperiment, Fig4) {
     EXPECT_NEAR(value(which, "mean_over_run") * value(which, "size"), error, 0.08 * error)
         << body << " " << method;
   }
+  // The regional velocity is exact for a rigid motion; RK4's phase error in 40 steps is 1.6e-5 a turn.
+  for (const char* body : {"compact", "spread"})
+    EXPECT_LT(value({{"body", body}, {"method", "regional"}, {"fairing_iterations", "0"}}, "mean_over_run"),
+              1e-4);
   // Total velocity on a convex body: back by itself after the turn, without having turned.
   const TextRow total{{"body", "compact"}, {"method", "total"}, {"fairing_iterations", "0"}};
   EXPECT_LT(value(total, "end_error"), 1e-3);
@@ -116,6 +120,32 @@ TEST_F(QuickExperiment, Body) {
   EXPECT_LT(mean("curvature-only"), 0.15);
   EXPECT_GT(mean("total"), 0.5);
   EXPECT_LT(mean("curvature"), mean("total"));
+  EXPECT_LT(mean("regional"), 1e-4);
+}
+
+TEST_F(QuickExperiment, Motions) {
+  run("motions", "motions.csv");
+  const auto error = [&](const char* method, const char* which) {
+    return value({{"method", method}, {"case", which}}, "error");
+  };
+  struct Expected {
+    const char *which, *method;
+    double error;  // of an independent implementation on vertices of its own
+  };
+  for (const auto& [which, method, expected] :
+       {Expected{"translation", "normal", 0.86}, Expected{"rotation", "total", 1.92},
+        Expected{"rotation", "curvature-only", 0.21}, Expected{"shear", "curvature", 0.74},
+        Expected{"stretch", "curvature", 1.21}, Expected{"stretch", "total", 1.56},
+        Expected{"staircase_frame_05", "curvature", 0.29}, Expected{"staircase_frame_12", "total", 0.92}})
+    EXPECT_NEAR(error(method, which), expected, 0.08 * expected) << method << " " << which;
+  // Exact for rigid motions; under strain what is left is the normal velocity, which is not the method's.
+  EXPECT_LT(error("regional", "rotation"), 1e-5);
+  for (const char* strain : {"shear", "stretch"}) {
+    EXPECT_LT(error("regional", strain), 0.14);
+    EXPECT_NEAR(error("regional", strain), error("material", strain), 0.005);
+  }
+  EXPECT_LT(error("regional", "staircase_frame_05"), 0.05);
+  EXPECT_LT(error("regional", "staircase_frame_12"), 0.06);
 }
 
 TEST_F(QuickExperiment, Minimisers) {

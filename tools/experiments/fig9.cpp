@@ -151,6 +151,30 @@ void judge(const RunSummary& run, Report& report) {
              fmt::format("slip, median: total {:.3f}, curvature {:.3f}", slip_total, slip_curvature),
              {{"curvature slips less", slip_curvature < slip_total}},
              "0 is perfect, 1 is no better than not moving along the surface at all."));
+  const double slip_regional = value("regional", &SurfaceMetrics::slip),
+               rotation_regional = value("regional", &SurfaceMetrics::rotation_captured);
+  report.statements.push_back(
+      judged("kappaflow", "The regional velocity slips at most a quarter as much as total and as Eq. 10.",
+             fmt::format("slip, median: total {:.3f}, Eq. 10 {:.3f}, regional {:.3f}", slip_total,
+                         slip_curvature, slip_regional),
+             {{"against total", slip_regional <= 0.25 * slip_total},
+              {"against Eq. 10", slip_regional <= 0.25 * slip_curvature}},
+             "It knows how the field answers a strain of the material, and asks a neighbourhood."));
+  report.statements.push_back(
+      judged("kappaflow", "The regional velocity captures 0.9 to 1.1 of the rotation.",
+             fmt::format("rotation captured, median: {:.3f}", rotation_regional),
+             {{"", rotation_regional >= 0.9 && rotation_regional <= 1.1}}, "See above."));
+  const double far_regional = of("regional").frames.back().tracer_distance.value_or(std::nan("")),
+               far_curvature = of("curvature").frames.back().tracer_distance.value_or(std::nan(""));
+  report.statements.push_back(judged(
+      "kappaflow",
+      "At the end the regional velocity's vertices are at most a third as far from their material as Eq. "
+      "10's.",
+      fmt::format("mean distance [sigma]: Eq. 10 {:.3f}, regional {:.3f}", far_curvature, far_regional),
+      {{"", far_regional <= far_curvature / 3}},
+      "Fairing that holds confident vertices helps Eq. 10 more than it helps the regional velocity; with the "
+      "paper's "
+      "fairing, which moves every vertex, both drift further, Eq. 10 by more."));
 }
 
 }  // namespace
