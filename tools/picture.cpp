@@ -147,7 +147,8 @@ void draw_picture(const std::filesystem::path& file, std::span<const Panel> pane
   window->SetMultiSamples(kMultisamples);
   window->SetSize(style.panel_width * columns, style.panel_height * rows);
   for (int p = 0; p < columns * rows; ++p) {
-    const double column = p % columns, row = rows - 1 - p / columns;
+    const int line = p / columns;
+    const double column = p % columns, row = rows - 1 - line;
     vtkNew<vtkRenderer> renderer;
     renderer->SetViewport(column / columns, row / rows, (column + 1) / columns, (row + 1) / rows);
     renderer->SetBackground(1, 1, 1);

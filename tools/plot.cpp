@@ -14,8 +14,6 @@
 #include "core/errors.h"
 #include "tools/files.h"
 
-extern char** environ;
-
 namespace kappaflow {
 namespace {
 
@@ -84,6 +82,7 @@ std::string plot_script(const std::string& name, std::span<const Plot> plots) {
 int run_gnuplot(std::vector<std::string> words, const std::filesystem::path& folder) {
   words.insert(words.begin(), "gnuplot");
   std::vector<char*> argv;
+  argv.reserve(words.size() + 1);
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   posix_spawn_file_actions_t actions;

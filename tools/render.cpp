@@ -71,6 +71,7 @@ void render(const RenderOptions& options) {
   const int frame = chosen_frame(options, methods);
   const double time = std::min(frame / facts.frames_per_second, facts.duration);
   std::vector<Panel> panels;
+  panels.reserve(methods.size());
   for (const std::string& method : methods)
     panels.push_back({fmt::format("{},  t = {:.2f} s", method, time),
                       read_vtp(options.folder / surface_file(method, frame))});

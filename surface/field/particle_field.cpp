@@ -318,7 +318,7 @@ Jet ParticleField::jet(const Vec3& x, StrainResponse& strain) const {
       strain_sums.add(hits, first);
     }
   });
-  const Jet jet = sums.jet(threshold_);
+  Jet jet = sums.jet(threshold_);
   strain_sums.response(jet, strain);
   return jet;
 }

@@ -76,7 +76,7 @@ class WindowFit {
         sums.add(patches[s], y, u * u);
       }
       if (!(sums.weight() > 0)) sums.add(local.equations[v], x, 1);
-      const AffineFit fit = sums.solve(radius, local.normal[v]);
+      AffineFit fit = sums.solve(radius, local.normal[v]);
       if (fit.determined >= kDetermined || radius * kGrowth > kLargestRadius * scale) return fit;
     }
   }

@@ -56,8 +56,8 @@ fs::path default_scenes() {
 }
 
 Report with_folder(Report report, const std::string& folder) {
-  for (Figure& figure : report.figures) figure.file = folder + "/" + figure.file;
-  for (std::string& file : report.files) file = folder + "/" + file;
+  for (Figure& figure : report.figures) figure.file = fmt::format("{}/{}", folder, figure.file);
+  for (std::string& file : report.files) file = fmt::format("{}/{}", folder, file);
   return report;
 }
 
