@@ -4,6 +4,7 @@
 #include <cmark-gfm.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <memory>
 
@@ -98,9 +99,10 @@ Statement judged(std::string source, std::string statement, std::string measured
     std::string& list = check.holds ? yes : no;
     list += fmt::format("{}{}", list.empty() ? "" : ", ", check.what);
   }
-  const Verdict verdict = no.empty()    ? Verdict::holds
-                          : yes.empty() ? Verdict::does_not_hold
-                                        : Verdict::under_conditions;
+  const auto holds = [](const Check& check) { return check.holds; };
+  const Verdict verdict = std::ranges::all_of(checks, holds)    ? Verdict::holds
+                          : std::ranges::none_of(checks, holds) ? Verdict::does_not_hold
+                                                                : Verdict::under_conditions;
   const std::string conditions =
       verdict == Verdict::under_conditions ? fmt::format(" Holds for: {}. Not for: {}.", yes, no) : "";
   return {std::move(source), std::move(statement), std::move(measured), verdict, why + conditions};

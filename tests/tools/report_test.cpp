@@ -11,6 +11,7 @@ TEST(Judged, TheVerdictFollowsFromTheChecks) {
   };
   EXPECT_EQ(verdict({{"one", true}, {"two", true}}).verdict, Verdict::holds);
   EXPECT_EQ(verdict({{"one", false}}).verdict, Verdict::does_not_hold);
+  EXPECT_EQ(verdict({{"", false}}).verdict, Verdict::does_not_hold) << "a single check needs no name";
   EXPECT_EQ(verdict({{"one", false}}).reason, "Because.");
   const Statement mixed = verdict({{"one", true}, {"two", false}, {"three", true}});
   EXPECT_EQ(mixed.verdict, Verdict::under_conditions);
