@@ -121,6 +121,10 @@ toml::table parse_toml(std::string_view text, const std::filesystem::path& file)
   }
 }
 
+toml::table read_toml(const std::filesystem::path& file) {
+  return parse_toml(read_small_text_file(file), file);
+}
+
 TomlTable::TomlTable(const toml::table& table, std::string name, std::string file)
     : table_(&table), name_(std::move(name)), file_(std::move(file)) {}
 

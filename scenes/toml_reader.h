@@ -45,6 +45,9 @@ std::string read_small_text_file(const std::filesystem::path& file);
 /// Parses TOML. Throws InvalidInput with line and column at the first mistake in the syntax.
 toml::table parse_toml(std::string_view text, const std::filesystem::path& file);
 
+/// Both at once.
+toml::table read_toml(const std::filesystem::path& file);
+
 /// One table of a TOML document while it is read. Reading a key makes it an allowed one; finish() then
 /// reports the keys that nobody read and the required ones that are missing. A value of the wrong type or out
 /// of range is an InvalidInput at once. The document must outlive it.

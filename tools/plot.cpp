@@ -48,8 +48,6 @@ std::string plot_command(std::size_t index, const Plot& plot) {
   script += plot.log_y ? "set logscale y\nset format y '%.0e'\n" : "unset logscale y\nset format y '%g'\n";
   script += plot.scatter ? "set logscale x\nset format x '%.0e'\n" : "unset logscale x\nset format x '%g'\n";
   script += "plot ";
-  if (plot.guide != 0)
-    script += fmt::format("{:.10g} with lines lc rgb '#777777' dt 2 notitle, ", plot.guide);
   for (std::size_t c = 0; c < plot.curves.size(); ++c) {
     // Few points are marked; many make a line.
     const char* style = plot.scatter                         ? "points pt 7 ps 0.4"

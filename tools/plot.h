@@ -22,7 +22,6 @@ struct Plot {
   std::vector<Curve> curves;
   bool log_y = false;    ///< y not above 0 leaves a gap
   bool scatter = false;  ///< points without lines, x logarithmic as well
-  double guide = 0;      ///< a dashed horizontal line at this y; 0: none
 };
 
 /// Writes `name`.gp, a gnuplot script with its data in it, and from it `name`.png with the plots side by

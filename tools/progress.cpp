@@ -29,6 +29,12 @@ std::string clock_time(double seconds) {
 
 }  // namespace
 
+void draw_status_line(const std::string& text) {
+  if (isatty(STDERR_FILENO) != 1) return;
+  fmt::print(stderr, "{}{}", kWipeLine, text.substr(0, terminal_width()));
+  std::fflush(stderr);
+}
+
 std::string progress_line(double time, double duration, int frame, int frames, std::size_t steps,
                           double elapsed, const FluidStep& step) {
   const double done = std::clamp(time / duration, 0.0, 1.0);
@@ -41,10 +47,10 @@ std::string progress_line(double time, double duration, int frame, int frames, s
 }
 
 Progress::Progress(double duration, int frames, bool enabled)
-    : duration_(duration), frames_(frames), enabled_(enabled && isatty(STDERR_FILENO) == 1) {}
+    : duration_(duration), frames_(frames), enabled_(enabled) {}
 
 Progress::~Progress() {
-  if (enabled_) fmt::print(stderr, "{}", kWipeLine);
+  if (enabled_) draw_status_line("");
 }
 
 void Progress::show(double time, int frame, const FluidStep& step) {
@@ -52,9 +58,7 @@ void Progress::show(double time, int frame, const FluidStep& step) {
   const double now = watch_.seconds();
   if (!enabled_ || (last_drawn_ >= 0 && now - last_drawn_ < kRedrawSeconds)) return;
   last_drawn_ = now;
-  const std::string line = progress_line(time, duration_, frame, frames_, steps_, now, step);
-  fmt::print(stderr, "{}{}", kWipeLine, line.substr(0, terminal_width()));
-  std::fflush(stderr);
+  draw_status_line(progress_line(time, duration_, frame, frames_, steps_, now, step));
 }
 
 }  // namespace kappaflow

@@ -8,6 +8,10 @@
 
 namespace kappaflow {
 
+/// Draws `text` over the line that the terminal's cursor is in, cut to its width; "" wipes the line. Does
+/// nothing where stderr is no terminal.
+void draw_status_line(const std::string& text);
+
 /// Draws on stderr, at most five times a second, and only when that is a terminal; wipes itself out at the
 /// end.
 class Progress {

@@ -18,8 +18,6 @@
 namespace kappaflow {
 namespace {
 
-constexpr int kExitInterrupted = 130;  // 128 + SIGINT, as shells have it
-
 volatile std::sig_atomic_t interrupted = 0;
 
 // Installs the handler for as long as it lives; a second Ctrl-C ends the program at once.

@@ -11,6 +11,8 @@
 
 namespace kappaflow {
 
+inline constexpr int kExitInterrupted = 130;  ///< 128 + SIGINT, as shells have it
+
 struct RunOptions {
   std::filesystem::path scene;
   std::filesystem::path folder;        ///< empty: out/<name of the scene file>

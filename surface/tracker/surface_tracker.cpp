@@ -30,7 +30,7 @@ TrackerStep SurfaceTracker::step(FieldMotion& motion) {
   TrackerStep report;
   report.velocity_seconds = seconds_of([&] { advect(motion); });
   report.fairing_seconds = seconds_of([&] {
-    if (options_.fairing.moves == FairedVertices::undetermined)
+    if (options_.fairing.iterations > 0 && options_.fairing.moves == FairedVertices::undetermined)
       vertex_mobility(rings_, velocities_, fairing_.mobility);
     report.residual_max = fair(*motion.at(motion.t1()), rings_, options_.fairing, options_.projection,
                                motion.t1() - motion.t0(), mesh_, fairing_);

@@ -3,9 +3,10 @@
 #include <fmt/format.h>
 #include <vtk_jsoncpp.h>
 
-#include <array>
 #include <fstream>
 #include <stdexcept>
+
+#include "tools/particle_file.h"
 
 namespace kappaflow::testing {
 
@@ -102,16 +103,11 @@ Body read_body_of_seven() {
 }
 
 Body read_staircase_frame(int frame) {
-  const std::string path =
-      fmt::format("{}/tests/data/staircase_frames/frame_{:02}.f32", KAPPAFLOW_SOURCE_DIR, frame);
-  std::ifstream file(path, std::ios::binary);
-  const double sigma = 2 * 0.0635;
   Body body;
-  std::array<float, 6> row;  // little-endian, as every machine that the tests run on
-  while (file.read(reinterpret_cast<char*>(row.data()), sizeof row))
-    add_particle(body.particles, Vec3(row[0], row[1], row[2]), Vec3(row[3], row[4], row[5]), sigma, 1.0);
-  if (body.particles.position.empty()) throw std::runtime_error("cannot read " + path);
-  body.threshold = half_median_threshold(body.particles.position, body.particles.weight, sigma);
+  body.particles = read_particle_file(
+      fmt::format("{}/scenes/experiments/data/staircase_frame_{:02}.vtp", KAPPAFLOW_SOURCE_DIR, frame));
+  body.threshold =
+      half_median_threshold(body.particles.position, body.particles.weight, body.particles.sigma.front());
   return body;
 }
 

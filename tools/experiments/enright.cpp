@@ -45,8 +45,7 @@ void read_variant(TomlTable& t, bool particles, EnrightOptions& options) {
 }
 
 EnrightOptions read_options(const ExperimentContext& context, bool particles) {
-  const std::string text = read_small_text_file(context.file);
-  const toml::table document = parse_toml(text, context.file);
+  const toml::table document = read_toml(context.file);
   EnrightOptions options, other;
   TomlTable root(document, "the experiment", context.file.string());
   options.title = root.text("title");
@@ -70,6 +69,7 @@ EnrightOptions read_options(const ExperimentContext& context, bool particles) {
 /// A tracked mesh at one time.
 struct Sample {
   TriangleMesh mesh;
+  SurfaceState state;
   ShapeError shape;
   VertexError vertex;
   double volume = 0;  ///< [m3]
@@ -82,17 +82,17 @@ struct MethodResult {
   Sample half, end;
 };
 
-Sample measure(const TriangleMesh& mesh, const VertexRings& rings, const Field& field,
-               const EnrightShape& shape) {
+Sample measure(const SurfaceTracker& tracker, const Field& field, const EnrightShape& shape) {
+  const TriangleMesh& mesh = tracker.mesh();
   Sample s;
   s.mesh = mesh;
+  s.state = surface_state(field, mesh, tracker.rings(), tracker.method(), tracker.options().velocity);
   s.shape = shape.error(mesh);
   s.vertex = vertex_error(mesh, field.time());
   s.volume = area_and_volume(mesh.position, mesh.triangles).volume;
   s.mean_quality = triangle_qualities(mesh.position, mesh.triangles).mean;
   s.smallest_angle = smallest_angle(mesh.position, mesh.triangles);
-  const SurfaceState state = surface_state(field, mesh, rings, velocity_method("normal"), {});
-  s.folded = folded_fraction(mesh.position, state.normal, mesh.triangles);
+  s.folded = folded_fraction(mesh.position, s.state.normal, mesh.triangles);
   s.unprojected = static_cast<std::size_t>(std::ranges::count(mesh.unprojected, 1));
   return s;
 }
@@ -119,11 +119,9 @@ std::vector<MethodResult> track_all(const EnrightOptions& options, const MotionB
     const auto motion = motion_between(n * dt, n + 1 == options.steps ? kEnd : (n + 1) * dt);
     for (std::size_t m = 0; m < trackers.size(); ++m) {
       trackers[m].step(*motion);
-      const auto sample = [&](const EnrightShape& shape) {
-        return measure(trackers[m].mesh(), trackers[m].rings(), *motion->at(motion->t1()), shape);
-      };
-      if (2 * (n + 1) == options.steps) results[m].half = sample(at_half);
-      if (n + 1 == options.steps) results[m].end = sample(at_end);
+      const auto field = motion->at(motion->t1());
+      if (2 * (n + 1) == options.steps) results[m].half = measure(trackers[m], *field, at_half);
+      if (n + 1 == options.steps) results[m].end = measure(trackers[m], *field, at_end);
     }
   }
   return results;
@@ -167,8 +165,7 @@ Table result_table(const std::vector<MethodResult>& results) {
 Table other_programs() {
   return {
       "Other programs, for comparison. All of these remesh, from a start mesh of 6,588 triangles in 300 "
-      "steps; "
-      "distances are those of vertices to the sphere at T.",
+      "steps; distances are those of vertices to the sphere at T.",
       {"program", "triangles at T/2", "volume at T/2, T", "distance mean, max", "smallest angle at T/2",
        "time"},
       {{"El Topo", "25,230", "-0.25 %, -0.18 %", "2.5e-4, 3.1e-3", "11", "275 s"},
@@ -191,21 +188,16 @@ std::string csv(const std::vector<MethodResult>& results) {
   return text;
 }
 
-void write_meshes(const std::vector<MethodResult>& results, const MotionBetween& motion_between,
-                  const EnrightOptions& options, const ExperimentContext& context, Report& report) {
-  const double dt = EnrightFlow::kPeriod / options.steps;
+void write_meshes(const std::vector<MethodResult>& results, const ExperimentContext& context,
+                  Report& report) {
   for (const auto& [name, time, member] :
        {std::tuple{"half", kHalf, &MethodResult::half}, std::tuple{"end", kEnd, &MethodResult::end}}) {
-    const auto field = motion_between(time - dt, time)->at(time);
     std::vector<Panel> panels;
     for (const MethodResult& r : results) {
-      const TriangleMesh& mesh = (r.*member).mesh;
-      const SurfaceState state =
-          surface_state(*field, mesh, vertex_rings(mesh.vertex_count(), mesh.triangles),
-                        velocity_method(r.method), options.tracker.velocity);
-      const auto data =
-          surface_data({time, mesh, state, checker_colours(mesh.rest_position, EnrightFlow::kRadius / 3),
-                        texture_coordinates(mesh.rest_position, TextureProjection::spherical)});
+      const Sample& s = r.*member;
+      const auto data = surface_data(
+          {time, s.mesh, s.state, checker_colours(s.mesh.rest_position, EnrightFlow::kRadius / 3),
+           texture_coordinates(s.mesh.rest_position, TextureProjection::spherical)});
       write_vtp(context.folder / fmt::format("{}_{}.vtp", r.method, name), *data);
       panels.push_back({fmt::format("{}, t = {} s", r.method, time), data});
     }
@@ -213,8 +205,7 @@ void write_meshes(const std::vector<MethodResult>& results, const MotionBetween&
     draw_picture(context.folder / picture, panels, nullptr, nullptr,
                  {.columns = 3, .panel_width = 640, .panel_height = 560, .edges = true});
     report.figures.push_back({picture, time == kHalf ? "The meshes at T/2."
-                                                     : "The meshes at T, where the body is a "
-                                                       "sphere again."});
+                                                     : "The meshes at T, where the body is a sphere again."});
   }
 }
 
@@ -233,14 +224,12 @@ void judge(const std::vector<MethodResult>& results, bool particles, Report& rep
       "The flow is reversible: at T every vertex is back at its start (to 10 % of the radius).",
       "mean vertex error [m]: " + errors, returns,
       particles ? "Particles that the sheet has pulled apart no longer make one, and their surface breaks "
-                  "up; a mesh "
-                  "without remeshing cannot follow that."
+                  "up; a mesh without remeshing cannot follow that."
                 : "On the exact function what is left is the velocity method's own error and the mesh's."));
   report.statements.push_back(judged(
       "kappaflow", "At T/2 the mesh is still sound: nothing folded, no angle below a degree.", meshes, sound,
       "A mesh that keeps its connectivity is drawn out with the sheet, even where it returns perfectly: the "
-      "state at "
-      "T alone would hide that. Remeshing is what this needs."));
+      "state at T alone would hide that. Remeshing is what this needs."));
 }
 
 Report enright(const ExperimentContext& context, const EnrightOptions& options, bool particles,
@@ -252,15 +241,15 @@ Report enright(const ExperimentContext& context, const EnrightOptions& options, 
   report.name = context.name;
   report.title = options.title;
   report.introduction =
-      introduction +
-      fmt::format(
-          " Sphere of radius {} m, period {} s, velocity times cos(pi t/T); {} triangles, {} steps "
-          "with {}, damping {}, {} fairing iterations, no remeshing.",
-          EnrightFlow::kRadius, EnrightFlow::kPeriod, results.front().end.mesh.triangles.size(),
-          options.steps, name_of(kIntegrators, options.tracker.integrator), options.tracker.velocity.damping,
-          options.tracker.fairing.iterations);
+      introduction + fmt::format(
+                         " Sphere of radius {} m, period {} s, velocity times cos(pi t/T); {} triangles, {} "
+                         "steps with {}, damping {}, {} fairing iterations, no remeshing.",
+                         EnrightFlow::kRadius, EnrightFlow::kPeriod,
+                         results.front().end.mesh.triangles.size(), options.steps,
+                         name_of(kIntegrators, options.tracker.integrator), options.tracker.velocity.damping,
+                         options.tracker.fairing.iterations);
   judge(results, particles, report);
-  write_meshes(results, motion_between, options, context, report);
+  write_meshes(results, context, report);
   write_file(context.folder / "enright.csv", csv(results));
   report.tables = {result_table(results), other_programs()};
   report.files = {"enright.csv"};
@@ -281,10 +270,9 @@ Report experiment_enright_particles(const ExperimentContext& context) {
   };
   return enright(
       context, options, true, motion_between,
-      fmt::format(
-          "{} particles, {} m apart at the start, are carried by the flow exactly; the surface is that of "
-          "Eq. 12 with sigma = {} m, normalised weights and threshold 0.5.",
-          count, options.spacing, field.sigma));
+      fmt::format("{} particles, {} m apart at the start, are carried by the flow exactly; the surface is "
+                  "that of Eq. 12 with sigma = {} m, normalised weights and threshold 0.5.",
+                  count, options.spacing, field.sigma));
 }
 
 Report experiment_enright_exact(const ExperimentContext& context) {
@@ -294,8 +282,7 @@ Report experiment_enright_exact(const ExperimentContext& context) {
   };
   return enright(context, options, false, motion_between,
                  "The surface is the exact image of the sphere: its implicit function at the point that the "
-                 "flow came from, "
-                 "with all derivatives.");
+                 "flow came from, with all derivatives.");
 }
 
 }  // namespace kappaflow

@@ -1,7 +1,6 @@
 #include "tools/experiments/experiment.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -14,6 +13,7 @@
 #include "tools/experiments/rigid_figures.h"
 #include "tools/files.h"
 #include "tools/plot.h"
+#include "tools/progress.h"
 #include "tools/timings.h"
 
 namespace kappaflow {
@@ -64,40 +64,37 @@ Report with_folder(Report report, const std::string& folder) {
 }  // namespace
 
 void ExperimentContext::say(const std::string& text) const {
-  if (options.quiet) return;
-  // On a terminal one line that changes; in a log nothing but the experiments themselves.
-  if (isatty(STDERR_FILENO) == 1) fmt::print(stderr, "\r\033[K{}: {}", name, text);
-  std::fflush(stderr);
+  if (!options.quiet) draw_status_line(fmt::format("{}: {}", name, text));
 }
 
 std::span<const Experiment> experiments() {
   static constexpr std::array table{
-      Experiment{"fig3", "experiments/fig3.toml", "experiments/fig3.toml",
-                 "one particle in a straight line: the triangles", experiment_fig3},
-      Experiment{"fig4", "experiments/fig4.toml", "experiments/fig4.toml",
-                 "three particles, three turns, with fairing", experiment_fig4},
-      Experiment{"fig5", "experiments/fig5.toml", "experiments/fig5.toml",
-                 "their error against the number of fairing iterations", experiment_fig5},
-      Experiment{"fig7", "experiments/fig7.toml", "experiments/fig7.toml",
-                 "one particle, thirty turns: the meshes (Figs. 6 and 7)", experiment_fig7},
-      Experiment{"fig8", "experiments/fig8.toml", "experiments/fig8.toml",
-                 "one particle, thirty turns: the error turn by turn", experiment_fig8},
-      Experiment{"body", "experiments/body.toml", "experiments/body.toml",
-                 "seven unequal particles, ten turns: features everywhere", experiment_body},
-      Experiment{"motions", "experiments/motions.toml", "experiments/motions.toml",
+      Experiment{"fig3", "experiments/fig3.toml", "one particle in a straight line: the triangles",
+                 experiment_fig3},
+      Experiment{"fig4", "experiments/fig4.toml", "three particles, three turns, with fairing",
+                 experiment_fig4},
+      Experiment{"fig5", "experiments/fig5.toml", "their error against the number of fairing iterations",
+                 experiment_fig5},
+      Experiment{"fig7", "experiments/fig7.toml", "one particle, thirty turns: the meshes (Figs. 6 and 7)",
+                 experiment_fig7},
+      Experiment{"fig8", "experiments/fig8.toml", "one particle, thirty turns: the error turn by turn",
+                 experiment_fig8},
+      Experiment{"body", "experiments/body.toml", "seven unequal particles, ten turns: features everywhere",
+                 experiment_body},
+      Experiment{"motions", "experiments/motions.toml",
                  "every method at one instant: known motions of a body, frames of a real flow",
                  experiment_motions},
-      Experiment{"minimisers", "experiments/minimisers.toml", "experiments/minimisers.toml",
+      Experiment{"minimisers", "experiments/minimisers.toml",
                  "Powell's method, BFGS and the closed form on Eq. 10: agreement and cost",
                  experiment_minimisers},
-      Experiment{"fig9", "staircase.toml", "staircase-small.toml",
-                 "a viscous ball slides and rolls down a staircase", experiment_fig9},
-      Experiment{"enright", "experiments/enright.toml", "experiments/enright.toml",
+      Experiment{"fig9", "staircase.toml", "a viscous ball slides and rolls down a staircase",
+                 experiment_fig9, "staircase-small.toml"},
+      Experiment{"enright", "experiments/enright.toml",
                  "Enright's test: a sphere is drawn out into a sheet and back; particles carried by the flow",
                  experiment_enright_particles},
-      Experiment{"enright-exact", "experiments/enright.toml", "experiments/enright.toml",
+      Experiment{"enright-exact", "experiments/enright.toml",
                  "the same on the exact implicit function; minutes, and not part of \"all\"",
-                 experiment_enright_exact, false},
+                 experiment_enright_exact, "", false},
   };
   return table;
 }
@@ -113,15 +110,17 @@ void run_experiments(const ExperimentOptions& options) {
   for (const Experiment* experiment : list) {
     const std::string name(experiment->name);
     make_folder(options.folder / name);
-    const ExperimentContext context{options,
-                                    scenes / (options.quick ? experiment->quick_file : experiment->file),
-                                    options.folder / name, name};
+    const bool other_file = options.quick && !experiment->quick_file.empty();
+    const std::string_view file = other_file ? experiment->quick_file : experiment->file;
+    const ExperimentContext context{options, scenes / file, options.folder / name, name};
     const Stopwatch watch;
     Report report = with_folder(experiment->run(context), name);
     report.seconds = watch.seconds();
-    context.say("");
-    if (!options.quiet) fmt::print("{:<12} {:7.1f} s  {}\n", name, report.seconds, experiment->summary);
-    std::fflush(stdout);
+    if (!options.quiet) {
+      draw_status_line("");
+      fmt::print("{:<12} {:7.1f} s  {}\n", name, report.seconds, experiment->summary);
+      std::fflush(stdout);
+    }
     reports.push_back(std::move(report));
     // After each: whoever waits can read, and an interrupt loses the experiment in hand only.
     write_report(options.folder, options.quick ? "kappaflow experiments (quick)" : "kappaflow experiments",

@@ -44,10 +44,11 @@ using ExperimentFunction = Report (*)(const ExperimentContext&);
 
 struct Experiment {
   std::string_view name;
-  std::string_view file, quick_file;  ///< relative to the folder of scenes
-  std::string_view summary;           ///< one line for help texts
+  std::string_view file;     ///< relative to the folder of scenes
+  std::string_view summary;  ///< one line for help texts
   ExperimentFunction run;
-  bool part_of_all = true;  ///< of "all" without --quick; the others take long
+  std::string_view quick_file = {};  ///< of the quick variant; empty: its file's table [quick] describes that
+  bool part_of_all = true;           ///< of "all" without --quick; the others take long
 };
 
 std::span<const Experiment> experiments();

@@ -15,7 +15,6 @@ namespace kappaflow {
 namespace {
 
 constexpr const char* kPaper = "Fujisawa et al. 2011, Fig. 9";
-constexpr int kInterrupted = 130;
 
 RunSummary run_all_methods(const ExperimentContext& context) {
   RunOptions options;
@@ -28,7 +27,8 @@ RunSummary run_all_methods(const ExperimentContext& context) {
   options.quiet = context.options.quiet;
   options.command = {"kappaflow", "experiment", context.name};
   RunSummary summary = run_scene(options);
-  if (summary.interrupted) throw Error("interrupted; the report holds the experiments before", kInterrupted);
+  if (summary.interrupted)
+    throw Error("interrupted; the report holds the experiments before", kExitInterrupted);
   return summary;
 }
 
@@ -50,15 +50,15 @@ std::optional<double> median_of(std::span<const SurfaceMetrics> frames,
 
 Table method_table(const RunSummary& run) {
   Table table{
-      fmt::format("Medians over the frames until the mesh is no longer sound, and over the whole run in "
-                  "parentheses. A mesh is sound while every vertex is on the surface, at most {} % of the "
-                  "triangles have folded over, its volume is within {} % of a fresh isosurface's, and "
-                  "components and genus are the same as there. Slip: RMS tangential difference to the "
-                  "material velocity over the RMS tangential material speed. Rotation: about the scene's "
-                  "axis, of the largest piece's least-squares rigid motion over the material's (pieces.csv "
-                  "has every piece). Tracer distance: from a vertex to the material that it started on, in "
-                  "sigma, when the mesh stops being sound and at the end.",
-                  100 * kSoundFolded, 100 * kSoundVolume),
+      fmt::format(
+          "Medians over the frames until the mesh is no longer sound, and over the whole run in parentheses. "
+          "A mesh is sound while every vertex is on the surface, at most {} % of the triangles have folded "
+          "over, its volume is within {} % of a fresh isosurface's, and components and genus are the same as "
+          "there. Slip: RMS tangential difference to the material velocity over the RMS tangential material "
+          "speed. Rotation: about the scene's axis, of the largest piece's least-squares rigid motion over "
+          "the material's (pieces.csv has every piece). Tracer distance: from a vertex to the material that "
+          "it started on, in sigma, when the mesh stops being sound and at the end.",
+          100 * kSoundFolded, 100 * kSoundVolume),
       {"method", "sound until [s]", "slip", "rotation captured", "tracer distance", "quality, mean at end",
        "folded at end", "volume at end"},
       {}};
@@ -173,8 +173,7 @@ void judge(const RunSummary& run, Report& report) {
       fmt::format("mean distance [sigma]: Eq. 10 {:.3f}, regional {:.3f}", far_curvature, far_regional),
       {{"", far_regional <= far_curvature / 3}},
       "Fairing that holds confident vertices helps Eq. 10 more than it helps the regional velocity; with the "
-      "paper's "
-      "fairing, which moves every vertex, both drift further, Eq. 10 by more."));
+      "paper's fairing, which moves every vertex, both drift further, Eq. 10 by more."));
 }
 
 }  // namespace
@@ -186,9 +185,8 @@ Report experiment_fig9(const ExperimentContext& context) {
   report.title = "A viscous ball slides and rolls down a staircase";
   report.introduction = fmt::format(
       "`{}`, {} particles, {} frames to t = {:.3g} s; every method on the same particles and from the same "
-      "mesh. The "
-      "mesh keeps its connectivity throughout, so each method is judged up to the time to which its mesh "
-      "stays sound.",
+      "mesh. The mesh keeps its connectivity throughout, so each method is judged up to the time to which "
+      "its mesh stays sound.",
       context.file.filename().string(), run.frames.front().particles, run.frames.size(),
       run.frames.back().time);
   judge(run, report);

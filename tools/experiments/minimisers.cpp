@@ -32,8 +32,7 @@ struct Options {
 };
 
 Options read_options(const ExperimentContext& context) {
-  const std::string text = read_small_text_file(context.file);
-  const toml::table document = parse_toml(text, context.file);
+  const toml::table document = read_toml(context.file);
   TomlTable root(document, "the experiment", context.file.string());
   Options o;
   o.title = root.text("title");
@@ -155,16 +154,14 @@ std::string why(const Result& r) {
 }
 
 Table result_table(const std::vector<Result>& results) {
-  Table table{
-      fmt::format(
-          "*Elsewhere*: vertices whose velocity differs from the closed form's by more than {} of the "
-          "fastest particle. Times are of one core, with the rows given; making the rows, the jet "
-          "included, comes on top for each.",
-          kElsewhere),
-      {"problem", "minimiser", "vertices", "evaluations", "ns a vertex", "rows, ns a vertex",
-       "RMS difference", "largest excess of the sum over the closed form's [sum at rest]", "elsewhere",
-       "where"},
-      {}};
+  Table table{fmt::format("*Elsewhere*: vertices whose velocity differs from the closed form's by more than "
+                          "{} of the fastest particle. Times are of one core, with the rows given; making "
+                          "the rows, the jet included, comes on top for each.",
+                          kElsewhere),
+              {"problem", "minimiser", "vertices", "evaluations", "ns a vertex", "rows, ns a vertex",
+               "RMS difference", "largest excess of the sum over the closed form's [sum at rest]",
+               "elsewhere", "where"},
+              {}};
   for (const Result& r : results)
     table.rows.push_back({r.problem->name, std::string(name_of(kMinimisers, r.minimiser)),
                           fmt::format("{}", r.problem->rows.size()), fmt::format("{:.1f}", r.evaluations),
@@ -208,22 +205,20 @@ void judge(const std::vector<Result>& results, Report& report) {
   }
   report.statements.push_back(
       judged("kappaflow",
-             "The closed form is at least 50 times faster than Powell's method, at an equal or "
-             "smaller sum of squares.",
+             "The closed form is at least 50 times faster than Powell's method, at an equal or smaller sum "
+             "of squares.",
              times, faster,
-             "The residuals of Eq. 10 are linear in the tangential velocity, so that its minimum "
-             "is a linear least-squares problem of 4 rows and 2 unknowns. Time of the solution "
-             "alone; the rows cost all three the same."));
-  report.statements.push_back(judged(
-      "kappaflow",
-      fmt::format(
-          "Where the problem is well posed (smaller singular value above {}) all three agree to 1e-4 of the "
-          "fastest particle's speed.",
-          kWellPosed),
-      differences, agree,
-      "What looks like wrong local minima are flat valleys of an ill-conditioned problem: a quadratic "
-      "function has one "
-      "minimum."));
+             "The residuals of Eq. 10 are linear in the tangential velocity, so that its minimum is a linear "
+             "least-squares problem of 4 rows and 2 unknowns. Time of the solution alone; the rows cost all "
+             "three the same."));
+  report.statements.push_back(
+      judged("kappaflow",
+             fmt::format("Where the problem is well posed (smaller singular value above {}) all three agree "
+                         "to 1e-4 of the fastest particle's speed.",
+                         kWellPosed),
+             differences, agree,
+             "What looks like wrong local minima are flat valleys of an ill-conditioned problem: a quadratic "
+             "function has one minimum."));
   report.statements.push_back(judged("Fujisawa et al. 2011", "BFGS is a better choice than Powell's method.",
                                      evaluations, fewer, "Mean number of evaluations a vertex."));
 }
@@ -254,8 +249,8 @@ Report experiment_minimisers(const ExperimentContext& context) {
   report.title = options.title;
   report.introduction = fmt::format(
       "Eq. 10 with the damping of each kind of problem ({} for rotating bodies, {} for the flow), minimised "
-      "from rest at "
-      "every vertex by Powell's method (the paper's), by BFGS (the paper's advice) and in closed form.",
+      "from rest at every vertex by Powell's method (the paper's), by BFGS (the paper's advice) and in "
+      "closed form.",
       options.rigid_damping, options.flow_damping);
   judge(results, report);
   report.tables = {result_table(results)};

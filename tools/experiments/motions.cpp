@@ -49,8 +49,7 @@ void read_velocity(TomlTable& t, double& edge_length, VelocityOptions& velocity)
 }
 
 Options read_options(const ExperimentContext& context) {
-  const std::string text = read_small_text_file(context.file);
-  const toml::table document = parse_toml(text, context.file);
+  const toml::table document = read_toml(context.file);
   TomlTable root(document, "the experiment", context.file.string());
   Options o;
   o.title = root.text("title");
@@ -178,8 +177,7 @@ void judge(const Errors& body, const Errors& flow, Report& report) {
   report.statements.push_back(
       judged("kappaflow", "Under strain the regional velocity is off by at most 0.14.", strain_text, strain,
              "Along the surface it is exact; what is left is the normal velocity (Eq. 4), which all methods "
-             "share: the "
-             "kernels of the particles stay round while the material is strained."));
+             "share: the kernels of the particles stay round while the material is strained."));
   report.statements.push_back(
       judged("kappaflow", "On a real flow the regional velocity slips at most a quarter as much as Eq. 10.",
              slip_text, slips, "Where the motion is affine over a window it is followed."));
@@ -198,10 +196,8 @@ Report experiment_motions(const ExperimentContext& context) {
   report.title = options.title;
   report.introduction = fmt::format(
       "A body of 175 jittered particles (sigma two spacings, threshold half the interior value) in four "
-      "affine motions "
-      "(damping {}, speed limit {}), and {} frames of a viscous flow on a staircase that another simulator "
-      "made "
-      "(damping {}, speed limit {}).",
+      "affine motions (damping {}, speed limit {}), and {} frames of a viscous flow on a staircase that "
+      "another simulator made (damping {}, speed limit {}).",
       options.body_velocity.damping, options.body_velocity.speed_limit, options.frames.size(),
       options.flow_velocity.damping, options.flow_velocity.speed_limit);
   judge(body, flow, report);

@@ -113,8 +113,8 @@ const RigidCase& find_case(const std::vector<RigidCase>& cases, const std::strin
   });
   if (found == cases.end())
     throw InvalidInput(
-        fmt::format("the experiment's file leaves out the case that its report is about: {}, {}, "
-                    "{}, {} fairing iterations",
+        fmt::format("the experiment's file leaves out the case that its report is about: {}, {}, {}, {} "
+                    "fairing iterations",
                     body, method, name_of(kIntegrators, integrator), fairing_iterations));
   return *found;
 }

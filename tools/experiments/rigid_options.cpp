@@ -81,8 +81,7 @@ void read_quick(TomlTable t, RigidExperiment& experiment, double& edge_length) {
 }  // namespace
 
 RigidExperiment read_rigid_experiment(const std::filesystem::path& file, bool quick) {
-  const std::string text = read_small_text_file(file);
-  const toml::table document = parse_toml(text, file);
+  const toml::table document = read_toml(file);
   RigidExperiment experiment;
   double edge_length = 0;
   TomlTable root(document, "the experiment", file.string());

@@ -106,13 +106,11 @@ std::string rigid_setting(const RigidExperiment& experiment) {
       "Damping {}, tangential speed limit {} times the fastest particle, projection to {} sigma. ",
       experiment.tracker.velocity.damping, experiment.tracker.velocity.speed_limit,
       experiment.tracker.projection.tolerance);
-  text +=
-      turns
-          ? "Errors are distances of vertices from where the rigid motion takes them, in units of the body's "
-            "size, its largest distance from the axis. After whole turns the true place of a vertex is "
-            "where it started, so the *end error* is the paper's error."
-          : "Errors are distances of vertices from where the translation takes them, in units of the body's "
-            "largest distance from its centre.";
+  text += turns ? "Errors are distances of vertices from where the rigid motion takes them, in units of the "
+                  "body's size, its largest distance from the axis. After whole turns the true place of a "
+                  "vertex is where it started, so the *end error* is the paper's error."
+                : "Errors are distances of vertices from where the translation takes them, in units of the "
+                  "body's largest distance from its centre.";
   return text;
 }
 
