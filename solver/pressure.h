@@ -60,7 +60,7 @@ class PressureSolver {
   PressureSolve solve(FluidParticles& particles, const NeighbourLists& lists, float time_step,
                       double tolerance, std::vector<float>& kappa);
   Progress iterate(const FluidParticles& particles, const NeighbourLists& lists, float square_step,
-                   float relaxation, const std::vector<float>& kappa);
+                   float relaxation);
 
   double density_tolerance_, divergence_tolerance_;
   int max_iterations_;
@@ -75,8 +75,7 @@ class PressureSolver {
 float density_rate(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists,
                    const std::vector<Vec4f>& u);
 
-/// -D^T kappa: the accelerations a_i above [m/s2].
-Vec4f pressure_acceleration(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists,
-                            const std::vector<float>& kappa);
+/// -D^T kappa: the accelerations a_i above [m/s2], with kappa_i in position[i].w.
+Vec4f pressure_acceleration(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists);
 
 }  // namespace kappaflow

@@ -14,34 +14,56 @@ double dot(const Vec4f& a, const Vec4f& b) {
 
 }  // namespace
 
-Vec4f ViscositySolver::apply_to(std::size_t i, const NeighbourLists& lists, const WallSums& walls,
-                                float time_step, const std::vector<Vec4f>& u) const {
-  const Vec4f& ui = u[i];
-  Vec4f sum = Vec4f::Zero();
-  for (std::size_t pair = lists.begin[i]; pair < lists.begin[i + 1]; ++pair) {
-    const Vec4f g = lists.gradient[pair];
-    sum += (g[3] * g.dot(ui - u[lists.index[pair]])) * g;
+Vec4f ViscositySolver::apply_to(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists,
+                                const WallSums& walls, float time_step, const std::vector<Vec4f>& u) const {
+  const Vec4f xi = particles.position[i], ui = u[i];
+  Wide sum_x = Wide::Zero(), sum_y = Wide::Zero(), sum_z = Wide::Zero();
+  for (const PairBlock& block : lists.of(i)) {
+    const WideVec xj = gather(particles.position.data(), block.index.data());
+    const WideVec uj = gather(u.data(), block.index.data());
+    const Wide x = xi[0] - xj.x, y = xi[1] - xj.y, z = xi[2] - xj.z;
+    const Wide r2 = x * x + y * y + z * z;
+    const Wide scale = viscosity_weight<Wide>(r2, lists.factor(block), support_) *
+                       (x * (ui[0] - uj.x) + y * (ui[1] - uj.y) + z * (ui[2] - uj.z));
+    sum_x += scale * x;
+    sum_y += scale * y;
+    sum_z += scale * z;
   }
+  Vec4f sum(sum_x.sum(), sum_y.sum(), sum_z.sum(), 0);
   sum *= viscosity_;
   if (walls.touches[i]) sum += boundary_viscosity_ * (walls.friction[i] * ui.head<3>());
-  sum[3] = 0;
   return ui + time_step * sum;
 }
 
-void ViscositySolver::apply(const NeighbourLists& lists, const WallSums& walls, float time_step,
-                            const std::vector<Vec4f>& u, std::vector<Vec4f>& result) const {
+void ViscositySolver::apply(const FluidParticles& particles, const NeighbourLists& lists,
+                            const WallSums& walls, float time_step, const std::vector<Vec4f>& u,
+                            std::vector<Vec4f>& result) const {
   result.resize(u.size());
-  parallel_for(u.size(), [&](std::size_t i) { result[i] = apply_to(i, lists, walls, time_step, u); });
+  parallel_for(u.size(),
+               [&](std::size_t i) { result[i] = apply_to(i, particles, lists, walls, time_step, u); });
 }
 
-void ViscositySolver::invert_diagonal(const NeighbourLists& lists, const WallSums& walls, float time_step) {
-  inverse_diagonal_.resize(lists.begin.size() - 1);
+void ViscositySolver::invert_diagonal(const FluidParticles& particles, const NeighbourLists& lists,
+                                      const WallSums& walls, float time_step) {
+  inverse_diagonal_.resize(particles.size());
   parallel_for(inverse_diagonal_.size(), [&](std::size_t i) {
-    Mat43f block = Mat43f::Zero();
-    for (std::size_t pair = lists.begin[i]; pair < lists.begin[i + 1]; ++pair) {
-      const Vec4f g = lists.gradient[pair], scaled = g[3] * g;
-      for (int c = 0; c < 3; ++c) block.col(c) += g[c] * scaled;
+    const Vec4f xi = particles.position[i];
+    Wide xx = Wide::Zero(), yy = xx, zz = xx, xy = xx, xz = xx, yz = xx;
+    for (const PairBlock& block : lists.of(i)) {
+      const WideVec xj = gather(particles.position.data(), block.index.data());
+      const Wide x = xi[0] - xj.x, y = xi[1] - xj.y, z = xi[2] - xj.z;
+      const Wide r2 = x * x + y * y + z * z;
+      const Wide weight = viscosity_weight<Wide>(r2, lists.factor(block), support_);
+      xx += weight * x * x;
+      yy += weight * y * y;
+      zz += weight * z * z;
+      xy += weight * x * y;
+      xz += weight * x * z;
+      yz += weight * y * z;
     }
+    Mat43f block = Mat43f::Zero();
+    block.topRows<3>() << xx.sum(), xy.sum(), xz.sum(), xy.sum(), yy.sum(), yz.sum(), xz.sum(), yz.sum(),
+        zz.sum();
     block = viscosity_ * block + boundary_viscosity_ * walls.friction[i];
     const Eigen::Matrix3f diagonal = Eigen::Matrix3f::Identity() + time_step * block.topRows<3>();
     inverse_diagonal_[i].topRows<3>() = diagonal.inverse();
@@ -56,17 +78,18 @@ int ViscositySolver::solve(FluidParticles& particles, const NeighbourLists& list
   direction_.assign(n, Vec4f::Zero());  // resize() leaves Eigen's vectors uninitialised, and 0 * NaN is NaN
   auto& velocity = particles.velocity;
   auto& change = particles.viscous_change;
-  invert_diagonal(lists, walls, time_step);
+  invert_diagonal(particles, lists, walls, time_step);
 
   // (I + dt L) change = -dt L v*: the right-hand side does not see a common velocity, so neither does the
   // tolerance.
   const auto sum = [n](const auto& value) { return parallel_sum<double>(n, 0.0, value); };
   const double target = tolerance_ * tolerance_ * sum([&](std::size_t i) {
-                          residual_[i] = velocity[i] - apply_to(i, lists, walls, time_step, velocity);
+                          residual_[i] =
+                              velocity[i] - apply_to(i, particles, lists, walls, time_step, velocity);
                           return dot(residual_[i], residual_[i]);
                         });
   double square = sum([&](std::size_t i) {
-    residual_[i] -= apply_to(i, lists, walls, time_step, change);
+    residual_[i] -= apply_to(i, particles, lists, walls, time_step, change);
     return dot(residual_[i], residual_[i]);
   });
   double energy = 0;
@@ -80,7 +103,7 @@ int ViscositySolver::solve(FluidParticles& particles, const NeighbourLists& list
     const float conjugate = iterations == 0 ? 0.0f : static_cast<float>(energy / last_energy);
     parallel_for(n, [&](std::size_t i) { direction_[i] = preconditioned_[i] + conjugate * direction_[i]; });
     const double curvature = sum([&](std::size_t i) {
-      image_[i] = apply_to(i, lists, walls, time_step, direction_);
+      image_[i] = apply_to(i, particles, lists, walls, time_step, direction_);
       return dot(direction_[i], image_[i]);
     });
     const float length = static_cast<float>(energy / curvature);

@@ -14,16 +14,10 @@ namespace kappaflow {
 
 /// c = 2 (d + 2) V |F| / (r2 + 0.01 support^2) [1/m4] of a pair in d = 3 dimensions, so that the viscous
 /// acceleration is -nu sum_j c_ij x_ij (x_ij . v_ij) (Weiler et al. 2018, Eq. 8). factor: V F with grad W = F
-/// x, negative.
-inline float viscosity_weight(float r2, float factor, float support) {
+/// x, negative. T is float or Wide.
+template <class T>
+T viscosity_weight(const T& r2, const T& factor, float support) {
   return -10 * factor / (r2 + 0.01f * support * support);
-}
-
-/// The coefficient e with e g g^T = c x x^T for the stored g = factor x, which saves the loops from storing x
-/// too. At the edge of the support, where both sides vanish, it is kept finite.
-inline float viscosity_coefficient(float r2, float factor, float support) {
-  const float least = 1e-6f / (support * support);
-  return 10 / ((r2 + 0.01f * support * support) * std::max(-factor, least));
 }
 
 /// Solves (I + dt L) v = v* for the new velocities v, where L v is minus the viscous acceleration: symmetric,
@@ -32,7 +26,8 @@ inline float viscosity_coefficient(float r2, float factor, float support) {
 class ViscositySolver {
  public:
   explicit ViscositySolver(const FluidOptions& options)
-      : viscosity_(static_cast<float>(options.kinematic_viscosity)),
+      : support_(static_cast<float>(2 * options.spacing)),
+        viscosity_(static_cast<float>(options.kinematic_viscosity)),
         boundary_viscosity_(static_cast<float>(options.boundary_viscosity)),
         tolerance_(options.viscosity_tolerance),
         max_iterations_(options.max_viscosity_iterations) {}
@@ -41,14 +36,16 @@ class ViscositySolver {
   int solve(FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls, float time_step);
 
   /// (I + dt L) u for one vector a particle.
-  void apply(const NeighbourLists& lists, const WallSums& walls, float time_step, const std::vector<Vec4f>& u,
-             std::vector<Vec4f>& result) const;
+  void apply(const FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,
+             float time_step, const std::vector<Vec4f>& u, std::vector<Vec4f>& result) const;
 
  private:
-  Vec4f apply_to(std::size_t i, const NeighbourLists& lists, const WallSums& walls, float time_step,
-                 const std::vector<Vec4f>& u) const;
-  void invert_diagonal(const NeighbourLists& lists, const WallSums& walls, float time_step);
+  Vec4f apply_to(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists,
+                 const WallSums& walls, float time_step, const std::vector<Vec4f>& u) const;
+  void invert_diagonal(const FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,
+                       float time_step);
 
+  float support_;                         // of the kernel [m]
   float viscosity_, boundary_viscosity_;  // kinematic [m2/s]
   double tolerance_;                      // on |residual| / |dt L v*|
   int max_iterations_;
