@@ -40,6 +40,7 @@ float density_rate(std::size_t i, const FluidParticles& particles, const Neighbo
 
 Vec4f pressure_acceleration(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists,
                             const std::vector<float>& kappa) {
+  if (particles.led_by[i] != 0) return Vec4f::Zero();
   Vec4f sum = kappa[i] * particles.gradient_sum[i];
   for (std::size_t pair = lists.begin[i]; pair < lists.begin[i + 1]; ++pair)
     sum += kappa[lists.index[pair]] * lists.gradient[pair];

@@ -27,30 +27,31 @@ inline float viscosity_coefficient(float r2, float factor, float support) {
 }
 
 /// Solves (I + dt L) v = v* for the new velocities v, where L v is minus the viscous acceleration: symmetric,
-/// positive semidefinite, zero for rigid motions of free liquid. Conjugate gradients on the change v - v*,
-/// starting from the last step's, preconditioned by the inverses of the 3x3 diagonal blocks.
+/// positive semidefinite, zero for rigid motions of free liquid. The particles that an emitter leads keep
+/// their velocity; the others are solved for. Conjugate gradients on the change v - v*, starting from the
+/// last step's, preconditioned by the inverses of the 3x3 diagonal blocks.
 class ViscositySolver {
  public:
-  explicit ViscositySolver(const FluidOptions& options)
-      : viscosity_(static_cast<float>(options.kinematic_viscosity)),
-        boundary_viscosity_(static_cast<float>(options.boundary_viscosity)),
-        tolerance_(options.viscosity_tolerance),
-        max_iterations_(options.max_viscosity_iterations) {}
+  explicit ViscositySolver(const FluidOptions& options);
 
   /// Replaces particles.velocity and viscous_change; returns the number of iterations. time_step [s].
   int solve(FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls, float time_step);
 
   /// (I + dt L) u for one vector a particle.
-  void apply(const NeighbourLists& lists, const WallSums& walls, float time_step, const std::vector<Vec4f>& u,
-             std::vector<Vec4f>& result) const;
+  void apply(const FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,
+             float time_step, const std::vector<Vec4f>& u, std::vector<Vec4f>& result) const;
 
  private:
-  Vec4f apply_to(std::size_t i, const NeighbourLists& lists, const WallSums& walls, float time_step,
-                 const std::vector<Vec4f>& u) const;
-  void invert_diagonal(const NeighbourLists& lists, const WallSums& walls, float time_step);
+  Vec4f apply_to(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists,
+                 const WallSums& walls, float time_step, const std::vector<Vec4f>& u) const;
+  void invert_diagonal(const FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,
+                       float time_step);
+  /// Kinematic viscosities between fluid i and fluid j, at j.
+  const float* pair_viscosity(std::uint8_t i) const { return pair_viscosity_.data() + i * fluids_; }
 
-  float viscosity_, boundary_viscosity_;  // kinematic [m2/s]
-  double tolerance_;                      // on |residual| / |dt L v*|
+  std::size_t fluids_;
+  std::vector<float> pair_viscosity_, boundary_viscosity_;  // kinematic [m2/s]; by i and j, and by i
+  double tolerance_;                                        // on |residual| / |dt L v*|
   int max_iterations_;
   std::vector<Mat43f> inverse_diagonal_;
   std::vector<Vec4f> residual_, direction_, image_, preconditioned_;

@@ -51,7 +51,7 @@ Eigen::MatrixXd dense_system(const Liquid& liquid, const ViscositySolver& solver
   for (std::size_t column = 0; column < 3 * n; ++column) {
     std::vector<Vec4f> unit(n, Vec4f::Zero());
     unit[column / 3][static_cast<Eigen::Index>(column % 3)] = 1;
-    solver.apply(liquid.lists, liquid.wall_sums, kTimeStep, unit, image);
+    solver.apply(liquid.particles, liquid.lists, liquid.wall_sums, kTimeStep, unit, image);
     for (std::size_t i = 0; i < n; ++i)
       matrix.block<3, 1>(3 * static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(column)) =
           image[i].head<3>().cast<double>();
@@ -150,7 +150,7 @@ TEST(Viscosity, OperatorIsTheLaplacianInTheMeanOverDirections) {
       if (x.norm() < 1e-3) center = i;
     }
     ViscositySolver(options(nu, 1e-3))
-        .apply(liquid.lists, liquid.wall_sums, 1, liquid.particles.velocity, image);
+        .apply(liquid.particles, liquid.lists, liquid.wall_sums, 1, liquid.particles.velocity, image);
     const Vec4f acceleration = liquid.particles.velocity[center] - image[center];
     mean += acceleration.head<3>().cast<double>().dot(a) / (2 * nu) / directions;
   }
