@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scenes/mesh_file.h"
 #include "scenes/scene.h"
 #include "scenes/shapes.h"
 #include "surface/mesh/mesh_measures.h"
@@ -51,6 +52,12 @@ double area(const SphereShape& sphere) {
   return 4 * M_PI * sphere.radius * sphere.radius;
 }
 
+/// Of the mesh that the file holds, without checks: loading has made them.
+double area(const MeshShape& mesh) {
+  const TriangleSurface surface = mesh_surface(mesh, {});
+  return area_and_volume(surface.vertices, surface.triangles).area;
+}
+
 double memory(const Scene& scene, double particles, double boundary_particles, double vertices) {
   const double methods = static_cast<double>(scene.surface.methods.size());
   const double sample = kSampleSpacing * scene.surface.sigma;  // [spacings]
@@ -70,6 +77,10 @@ double fastest_speed(const Scene& scene, const FluidParticlesAtStart& particles,
   for (const Vec3& x : particles.position) highest = std::max(highest, -gravity.dot(x));
   for (const TriangleSurface& wall : walls)
     for (const Vec3& x : wall.vertices) lowest = std::min(lowest, -gravity.dot(x));
+  for (const Emitter& emitter : scene.fluid.emitters) {
+    fastest_start = std::max(fastest_start, emitter.speed);
+    highest = std::max(highest, -gravity.dot(emitter.position));
+  }
   const double by_time = fastest_start + gravity.norm() * scene.duration;
   if (walls.empty()) return by_time;
   const double by_drop = std::sqrt(fastest_start * fastest_start + 2 * std::max(0.0, highest - lowest));
@@ -84,10 +95,17 @@ double solver_steps(const Scene& scene, double fastest) {
   return std::ceil(scene.duration / step);
 }
 
+/// Of the liquid in the nozzle at the start, where the mesh of a stream begins.
+double nozzle_area(const Emitter& emitter, double spacing) {
+  const double mouth = static_cast<double>(emitter_layer(emitter, spacing).size()) * spacing * spacing;
+  return emitter.start > 0 ? 0 : 2 * mouth + kNozzleLength * spacing * 4 * std::sqrt(mouth);
+}
+
 double surface_vertices(const Scene& scene) {
   double total = 0;
   for (const FluidBlock& block : scene.blocks)
     total += std::visit([](const auto& shape) { return area(shape); }, block.shape);
+  for (const Emitter& emitter : scene.fluid.emitters) total += nozzle_area(emitter, scene.fluid.spacing);
   const double edge = scene.surface.edge_length * scene.surface.sigma * scene.fluid.spacing;
   return kVerticesPerCell * kSurfaceGrowth * total / (edge * edge);
 }
@@ -111,7 +129,10 @@ SceneEstimate estimate(const Scene& scene, int threads) {
   const FluidParticlesAtStart start = fill_blocks(scene);
   double wall_area = 0;
   for (const TriangleSurface& wall : walls) wall_area += area_and_volume(wall.vertices, wall.triangles).area;
-  const double particles = static_cast<double>(start.position.size());
+  double emitted = 0;
+  for (const Emitter& emitter : scene.fluid.emitters) emitted += emitted_particles(emitter, scene);
+  const double at_end = static_cast<double>(start.position.size()) + emitted;
+  const double particles = at_end - emitted / 2;  // in the mean, for an emitter that runs all the time
   const double boundary = kBoundaryParticlesPerCell * wall_area / (scene.fluid.spacing * scene.fluid.spacing);
   const double methods = static_cast<double>(scene.surface.methods.size()),
                vertices = surface_vertices(scene);
@@ -122,8 +143,9 @@ SceneEstimate estimate(const Scene& scene, int threads) {
       steps * particles * kSolverSecondsPerParticleStep + tracker_seconds(scene, vertices, steps);
   SceneEstimate result;
   result.particles = start.position.size();
+  result.emitted = static_cast<std::size_t>(emitted);
   result.boundary_particles = static_cast<std::size_t>(std::llround(boundary));
-  result.memory_bytes = static_cast<std::size_t>(memory(scene, particles, boundary, vertices));
+  result.memory_bytes = static_cast<std::size_t>(memory(scene, at_end, boundary, vertices));
   result.seconds =
       one_core * (1 - kParallelShare + kParallelShare / threads) +
       frames * (particles * kOutputSecondsPerParticle + methods * vertices * kOutputSecondsPerVertex);

@@ -16,16 +16,27 @@ constexpr double kBlockClearance = 0.9;
 /// Farthest coordinate in spacings: single precision then still resolves 1/100 of a spacing.
 constexpr double kFarthest = 1e5;
 
-std::vector<Vec3> checked_lattice(const FluidBlock& block, double spacing, std::size_t particles_before) {
-  const double size =
-      std::visit([&](const auto& shape) { return lattice_size(shape, spacing); }, block.shape);
+/// What shapes.h takes: a mesh's surface from its file, the other shapes as they are.
+const BoxShape& solid_of(const BoxShape& box, const SourcePosition&) {
+  return box;
+}
+const SphereShape& solid_of(const SphereShape& sphere, const SourcePosition&) {
+  return sphere;
+}
+TriangleSurface solid_of(const MeshShape& mesh, const SourcePosition& where) {
+  return mesh_surface(mesh, where);
+}
+
+template <class Solid>
+std::vector<Vec3> checked_lattice(const FluidBlock& block, const Solid& solid, double spacing,
+                                  std::size_t particles_before) {
+  const double size = lattice_size(solid, spacing);
   if (!(static_cast<double>(particles_before) + size <= kMaxParticles))
     throw InvalidInput(block.where,
                        fmt::format("the liquid would have {:.3g} particles of spacing {} m; allowed: at most "
                                    "{:.3g}, with a larger spacing or smaller blocks",
                                    static_cast<double>(particles_before) + size, spacing, kMaxParticles));
-  std::vector<Vec3> points =
-      std::visit([&](const auto& shape) { return lattice_points(shape, spacing); }, block.shape);
+  std::vector<Vec3> points = lattice_points(solid, spacing);
   if (points.empty())
     throw InvalidInput(block.where,
                        fmt::format("the block is too small to hold one particle; allowed: blocks larger than "
@@ -67,12 +78,56 @@ TriangleSurface wall_surface(const StairsShape& stairs, const SourcePosition&) {
   return stairs_surface(stairs);
 }
 TriangleSurface wall_surface(const MeshShape& mesh, const SourcePosition& where) {
-  TriangleSurface surface = read_closed_mesh(mesh.file, where);
-  for (Vec3& x : surface.vertices) x = mesh.scale * x + mesh.translation;
-  return surface;
+  return mesh_surface(mesh, where);
+}
+
+/// Throws InvalidInput where a particle in the nozzle would be in a wall or in the liquid of a block, too far
+/// out, or where the emitters make too many.
+void check_nozzle(const Scene& scene, std::size_t index, const WallDistance& walls,
+                  std::span<const Vec3> blocks) {
+  const Emitter& emitter = scene.fluid.emitters[index];
+  const SourcePosition& where = scene.emitters_where[index];
+  const double spacing = scene.fluid.spacing;
+  const std::vector<Vec3> layer = emitter_layer(emitter, spacing);
+  std::vector<Vec3> points;
+  for (const double behind : {0.0, 0.5, 1.5, kNozzleLength})
+    for (const Vec3& x : layer)
+      points.push_back(emitter.position + x - behind * spacing * emitter.direction.normalized());
+  const std::vector<char> is_free =
+      free_points(points, walls, emitter.start > 0 ? std::span<const Vec3>() : blocks, spacing);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!is_free[i])
+      throw InvalidInput(
+          where,
+          fmt::format("the nozzle has a particle at ({:.4g}, {:.4g}, {:.4g}) m, in or too close to a wall or "
+                      "the liquid of a block; allowed: a mouth with {} spacings, {:.4g} m, free behind it",
+                      points[i].x(), points[i].y(), points[i].z(), kNozzleLength, kNozzleLength * spacing));
+    if (points[i].lpNorm<Eigen::Infinity>() > kFarthest * spacing)
+      throw InvalidInput(
+          where, fmt::format("the mouth is further from the origin than {:.0f} spacings, {:.6g} m", kFarthest,
+                             kFarthest * spacing));
+  }
+}
+
+/// Throws InvalidInput where the emitters make too many particles by the end.
+void check_emitted(const Scene& scene, std::size_t in_blocks) {
+  double total = static_cast<double>(in_blocks);
+  for (std::size_t e = 0; e < scene.fluid.emitters.size(); ++e) {
+    total += emitted_particles(scene.fluid.emitters[e], scene);
+    if (total > kMaxParticles)
+      throw InvalidInput(scene.emitters_where[e],
+                         fmt::format("the liquid would have {:.3g} particles by the end; allowed: at most "
+                                     "{:.3g}, with a larger spacing, a smaller mouth or a particle_limit",
+                                     total, kMaxParticles));
+  }
 }
 
 }  // namespace
+
+double emitted_particles(const Emitter& emitter, const Scene& scene) {
+  const std::size_t layer = emitter_layer(emitter, scene.fluid.spacing).size();
+  return static_cast<double>(layer) * emitted_layers(emitter, scene.fluid.spacing, layer, scene.duration);
+}
 
 std::vector<TriangleSurface> wall_surfaces(const Scene& scene) {
   std::vector<TriangleSurface> surfaces;
@@ -87,7 +142,11 @@ FluidParticlesAtStart fill_blocks(const Scene& scene) {
   const WallDistance walls(wall_surfaces(scene));
   FluidParticlesAtStart particles;
   for (const FluidBlock& block : scene.blocks) {
-    const std::vector<Vec3> points = checked_lattice(block, spacing, particles.position.size());
+    const std::vector<Vec3> points = std::visit(
+        [&](const auto& shape) {
+          return checked_lattice(block, solid_of(shape, block.where), spacing, particles.position.size());
+        },
+        block.shape);
     const std::vector<char> is_free = free_points(points, walls, particles.position, spacing);
     const std::size_t before = particles.position.size();
     for (std::size_t i = 0; i < points.size(); ++i)
@@ -98,7 +157,11 @@ FluidParticlesAtStart fill_blocks(const Scene& scene) {
           "no particle of the block is free: all lie in a wall, within half a spacing of one, or "
           "in an earlier block; allowed: a block with room for one particle");
     particles.velocity.resize(particles.position.size(), block.velocity);
+    particles.fluid.resize(particles.position.size(), block.fluid);
   }
+  for (std::size_t e = 0; e < scene.fluid.emitters.size(); ++e)
+    check_nozzle(scene, e, walls, particles.position);
+  check_emitted(scene, particles.position.size());
   return particles;
 }
 

@@ -15,6 +15,7 @@
 #include <numeric>
 
 #include "scenes/mesh_parsers.h"
+#include "scenes/scene.h"
 #include "surface/mesh/mesh_measures.h"
 
 namespace kappaflow {
@@ -137,10 +138,16 @@ TriangleSurface read_closed_mesh(const std::filesystem::path& file, const Source
   try {
     return closed_surface(file);
   } catch (const TopologyError& error) {
-    throw located(fmt::format("cannot be a wall: {}", error.what()));
+    throw located(fmt::format("is no solid: {}", error.what()));
   } catch (const InvalidInput& error) {
     throw located(error.what());
   }
+}
+
+TriangleSurface mesh_surface(const MeshShape& mesh, const SourcePosition& where) {
+  TriangleSurface surface = read_closed_mesh(mesh.file, where);
+  for (Vec3& x : surface.vertices) x = mesh.scale * x + mesh.translation;
+  return surface;
 }
 
 }  // namespace kappaflow

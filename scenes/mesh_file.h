@@ -1,4 +1,4 @@
-// Reading a wall from a mesh file.
+// Reading a solid from a mesh file.
 #pragma once
 
 #include <filesystem>
@@ -8,10 +8,15 @@
 
 namespace kappaflow {
 
+struct MeshShape;
+
 /// The triangles of an .stl, .obj or .ply file in the file's own units, polygons cut into triangles, equal
 /// points merged; closed, and oriented outward whichever way the file has it. Throws InvalidInput at `where`
 /// (the scene that names the file) when it cannot be read, has no triangles or degenerate ones, or is not the
 /// consistently oriented boundary of a solid.
 TriangleSurface read_closed_mesh(const std::filesystem::path& file, const SourcePosition& where);
+
+/// The same of a scene's mesh, scaled and moved to its place [m].
+TriangleSurface mesh_surface(const MeshShape& mesh, const SourcePosition& where);
 
 }  // namespace kappaflow

@@ -44,9 +44,10 @@ struct MeshShape {
 
 /// A block of liquid, filled with particles on a cubic lattice.
 struct FluidBlock {
-  std::variant<BoxShape, SphereShape> shape;
+  std::variant<BoxShape, SphereShape, MeshShape> shape;
   Vec3 velocity{0, 0, 0};  ///< [m/s]
   SourcePosition where;    ///< where the scene's file describes it
+  std::uint8_t fluid = 0;  ///< index of its viscosity, see FluidOptions
 };
 /// A rigid wall at rest.
 struct Wall {
@@ -84,6 +85,7 @@ struct Scene {
   double duration = 0;  ///< [s]
   FluidOptions fluid;
   std::vector<FluidBlock> blocks;
+  std::vector<SourcePosition> emitters_where;  ///< where the scene's file describes fluid.emitters
   std::vector<Wall> walls;
   SurfaceDescription surface;
   OutputDescription output;
@@ -94,16 +96,21 @@ struct Scene {
 Scene load_scene(const std::filesystem::path& file);
 
 /// The particles of all blocks, in the order of the blocks and x-fastest within one. Boxes are filled from
-/// their lower corner, spheres symmetrically about their centre, with one particle per spacing^3; a box's
-/// particles lie half a spacing or more inside its faces. Left out are lattice points less than half a
+/// their lower corner, spheres symmetrically about their centre, meshes from the lower corner of their
+/// bounding box, with one particle per spacing^3; a box's particles lie half a spacing or more inside its
+/// faces, those of spheres and meshes anywhere inside. Left out are lattice points less than half a
 /// spacing from a wall or inside it, and those within 0.9 spacings of an earlier block's particle.
 struct FluidParticlesAtStart {
   std::vector<Vec3> position;  ///< [m]
   std::vector<Vec3> velocity;  ///< [m/s]
+  std::vector<std::uint8_t> fluid;
 };
-/// Throws InvalidInput for a block without particles, too many particles, or ones too far out for single
-/// precision.
+/// Throws InvalidInput for a block without particles, too many particles (those of the emitters included),
+/// ones too far out for single precision, a mesh that is no solid, or an emitter whose nozzle is not free.
 FluidParticlesAtStart fill_blocks(const Scene& scene);
+
+/// How many particles an emitter makes until the scene's end, if no liquid comes into its nozzle.
+double emitted_particles(const Emitter& emitter, const Scene& scene);
 
 /// The walls as closed surfaces, oriented outward. Throws InvalidInput for a mesh that cannot be read, is
 /// empty, or is not the closed and consistently oriented boundary of a solid.
@@ -111,7 +118,8 @@ std::vector<TriangleSurface> wall_surfaces(const Scene& scene);
 
 /// What a run of the scene is expected to need.
 struct SceneEstimate {
-  std::size_t particles = 0;           ///< of the liquid
+  std::size_t particles = 0;           ///< of the liquid at the start, those in nozzles left out
+  std::size_t emitted = 0;             ///< by emitters until the end
   std::size_t boundary_particles = 0;  ///< of the walls
   std::size_t memory_bytes = 0;        ///< of the running program's arrays
   double seconds = 0;                  ///< wall time

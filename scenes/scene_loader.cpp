@@ -20,6 +20,7 @@ constexpr double kMaxViscosity = 1e9;  // [m2/s]
 constexpr double kMaxTime = 1e6;       // [s]
 constexpr double kMaxFrames = 1e6;
 constexpr int kMaxIterations = 100000;
+constexpr std::size_t kMaxFluidNumber = 255;
 
 NumberRange length() {
   return positive("m", kMaxLength);
@@ -64,20 +65,84 @@ MeshShape read_mesh(TomlTable& t) {
   return mesh;
 }
 
-FluidBlock read_block(TomlTable t) {
-  enum class Kind { box, sphere };
-  static constexpr Named<Kind> kKinds[] = {{"box", Kind::box}, {"sphere", Kind::sphere}};
+/// kinematic_viscosity [m2/s], or dynamic_viscosity [Pa s] over the density; nothing where neither is given.
+std::optional<double> read_viscosity(TomlTable& t, double density) {
+  const bool dynamic = t.has("dynamic_viscosity"), kinematic = t.has("kinematic_viscosity");
+  if (dynamic && kinematic)
+    t.refuse("dynamic_viscosity", "either kinematic_viscosity or dynamic_viscosity, not both");
+  if (dynamic) return t.number("dynamic_viscosity", non_negative("Pa s", kMaxViscosity)) / density;
+  if (kinematic) return t.number("kinematic_viscosity", non_negative("m2/s", kMaxViscosity));
+  return std::nullopt;
+}
+
+/// The fluids of a scene while its tables are read; number 0 is that of [fluid].
+struct Fluids {
+  FluidOptions& options;
+  std::optional<double> boundary_viscosity;  // of all of them; empty: each its own
+
+  /// The number of the fluid whose viscosity the table states.
+  std::uint8_t read(TomlTable& t) {
+    const std::optional<double> viscosity = read_viscosity(t, options.density);
+    if (!viscosity || *viscosity == options.kinematic_viscosity) return 0;
+    std::vector<FluidViscosity>& more = options.more_fluids;
+    const auto known = std::ranges::find(more, *viscosity, &FluidViscosity::kinematic);
+    const auto number = static_cast<std::size_t>(known - more.begin()) + 1;
+    if (number > kMaxFluidNumber)
+      throw InvalidInput(
+          t.where(), fmt::format("the scene has more than {} different viscosities; allowed: at most as many",
+                                 kMaxFluidNumber + 1));
+    if (known == more.end()) more.push_back({*viscosity, boundary_viscosity.value_or(*viscosity)});
+    return static_cast<std::uint8_t>(number);
+  }
+};
+
+FluidBlock read_block(TomlTable t, Fluids& fluids) {
+  enum class Kind { box, sphere, mesh };
+  static constexpr Named<Kind> kKinds[] = {
+      {"box", Kind::box}, {"sphere", Kind::sphere}, {"mesh", Kind::mesh}};
   FluidBlock block;
   block.where = t.where();
   const Kind kind = t.choice("shape", kKinds, {});
   block.velocity = t.vector("velocity", "m/s", block.velocity);
+  block.fluid = fluids.read(t);
   if (kind == Kind::box)
     block.shape = read_box(t);
-  else
+  else if (kind == Kind::sphere)
     block.shape = read_sphere(t);
+  else
+    block.shape = read_mesh(t);
   if (block.velocity.norm() > kMaxSpeed)
     t.refuse("velocity", fmt::format("at most {} m/s in length", kMaxSpeed));
   return block;
+}
+
+Emitter read_emitter(TomlTable t, Fluids& fluids) {
+  enum class Kind { disc, rectangle };
+  static constexpr Named<Kind> kKinds[] = {{"disc", Kind::disc}, {"rectangle", Kind::rectangle}};
+  Emitter emitter;
+  if (t.choice("shape", kKinds, {}) == Kind::disc) {
+    emitter.mouth = DiscMouth{t.number("radius", length())};
+  } else {
+    RectangleMouth mouth{t.number("width", length()), t.number("height", length())};
+    mouth.up = t.vector("up", "", mouth.up);
+    emitter.mouth = mouth;
+  }
+  emitter.position = t.vector("position", "m");
+  emitter.direction = t.vector("direction", "");
+  emitter.speed = t.number("speed", positive("m/s", kMaxSpeed));
+  emitter.start = t.number("start", non_negative("s", kMaxTime), emitter.start);
+  if (t.has("end")) emitter.end = t.number("end", positive("s", kMaxTime));
+  if (t.has("particle_limit"))
+    emitter.max_particles =
+        static_cast<std::size_t>(t.integer("particle_limit", 1, std::numeric_limits<int>::max()));
+  emitter.fluid = fluids.read(t);
+  t.finish();
+  try {
+    check_emitter(emitter, fluids.options.spacing, 1 + fluids.options.more_fluids.size());
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(t.where(), error.what());
+  }
+  return emitter;
 }
 
 Wall read_wall(TomlTable t) {
@@ -110,27 +175,35 @@ void check_thickness(const Wall& wall, double spacing) {
                     kThinnestWall, allowed));
 }
 
-/// kinematic_viscosity [m2/s], or dynamic_viscosity [Pa s] over the density; exactly one of them.
-double read_viscosity(TomlTable& t, double density) {
-  const bool dynamic = t.has("dynamic_viscosity"), kinematic = t.has("kinematic_viscosity");
-  if (dynamic && kinematic)
-    t.refuse("dynamic_viscosity", "either kinematic_viscosity or dynamic_viscosity, not both");
-  if (dynamic) return t.number("dynamic_viscosity", non_negative("Pa s", kMaxViscosity)) / density;
-  return t.number("kinematic_viscosity", non_negative("m2/s", kMaxViscosity));
-}
-
-void read_fluid(TomlTable t, FluidOptions& fluid, std::vector<FluidBlock>& blocks) {
+void read_fluid(TomlTable t, Scene& scene) {
+  FluidOptions& fluid = scene.fluid;
   fluid.spacing = t.number("spacing", length());
   fluid.density = t.number("density", positive("kg/m3", kMaxDensity), fluid.density);
-  fluid.kinematic_viscosity = read_viscosity(t, fluid.density);
-  fluid.boundary_viscosity =
-      t.number("boundary_viscosity", non_negative("m2/s", kMaxViscosity), fluid.kinematic_viscosity);
+  const std::optional<double> viscosity = read_viscosity(t, fluid.density);
+  std::optional<double> boundary;
+  if (t.has("boundary_viscosity"))
+    boundary = t.number("boundary_viscosity", non_negative("m2/s", kMaxViscosity));
   fluid.gravity = t.vector("gravity", "m/s2", fluid.gravity);
-  std::vector<TomlTable> tables = t.tables("block", true);
+  std::vector<TomlTable> emitters = t.tables("emitter"), blocks = t.tables("block", emitters.empty());
   t.finish();
+  if (!viscosity)
+    throw InvalidInput(t.where(),
+                       "missing the viscosity in [fluid]; required: either kinematic_viscosity [m2/s] or "
+                       "dynamic_viscosity [Pa s]");
+  fluid.kinematic_viscosity = *viscosity;
+  fluid.boundary_viscosity = boundary.value_or(*viscosity);
   if (fluid.gravity.norm() > kMaxSpeed)
     t.refuse("gravity", fmt::format("at most {} m/s2 in length", kMaxSpeed));
-  for (TomlTable& table : tables) blocks.push_back(read_block(std::move(table)));
+  Fluids fluids{fluid, boundary};
+  for (TomlTable& table : blocks) scene.blocks.push_back(read_block(std::move(table), fluids));
+  for (TomlTable& table : emitters) {
+    scene.emitters_where.push_back(table.where());
+    fluid.emitters.push_back(read_emitter(std::move(table), fluids));
+  }
+  if (blocks.empty() && std::ranges::none_of(fluid.emitters, [](const Emitter& e) { return e.start == 0; }))
+    throw InvalidInput(t.where(),
+                       "there is no liquid at the start; required: a [[fluid.block]], or a [[fluid.emitter]] "
+                       "with start = 0");
 }
 
 void read_solver(TomlTable t, FluidOptions& fluid) {
@@ -221,7 +294,7 @@ Scene load_scene(const std::filesystem::path& file) {
   std::vector<TomlTable> walls = root.tables("wall");
   root.finish();
 
-  read_fluid(std::move(fluid), scene.fluid, scene.blocks);
+  read_fluid(std::move(fluid), scene);
   for (TomlTable& wall : walls) scene.walls.push_back(read_wall(std::move(wall)));
   for (const Wall& wall : scene.walls) check_thickness(wall, scene.fluid.spacing);
   read_solver(std::move(solver), scene.fluid);

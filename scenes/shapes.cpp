@@ -2,6 +2,9 @@
 
 #include <cmath>
 
+#include "core/parallel.h"
+#include "core/solid_distance.h"
+
 namespace kappaflow {
 namespace {
 
@@ -33,17 +36,35 @@ TriangleSurface prism(const std::vector<Vec2>& polygon, double lower, double upp
 template <class Keep>
 std::vector<Vec3> lattice(const Vec3& first, const std::array<std::int64_t, 3>& count, double spacing,
                           const Keep& keep) {
-  std::vector<Vec3> points;
-  for (std::int64_t k = 0; k < count[2]; ++k)
+  std::vector<std::vector<Vec3>> slabs(static_cast<std::size_t>(count[2]));
+  const auto fill = [&](std::size_t k) {
     for (std::int64_t j = 0; j < count[1]; ++j)
       for (std::int64_t i = 0; i < count[0]; ++i)
         if (const Vec3 x = first + spacing * Vec3(double(i), double(j), double(k)); keep(x))
-          points.push_back(x);
+          slabs[k].push_back(x);
+  };
+  parallel_for(slabs.size(), fill, 1);
+  std::vector<Vec3> points;
+  for (const std::vector<Vec3>& slab : slabs) points.insert(points.end(), slab.begin(), slab.end());
   return points;
 }
 
 Vec3 whole_cells(const BoxShape& box, double spacing) {
   return ((box.upper - box.lower) / spacing + Vec3::Constant(kWhole)).array().floor();
+}
+
+BoxShape bounding_box(const TriangleSurface& solid) {
+  BoxShape box{solid.vertices.front(), solid.vertices.front()};
+  for (const Vec3& x : solid.vertices) {
+    box.lower = box.lower.cwiseMin(x);
+    box.upper = box.upper.cwiseMax(x);
+  }
+  return box;
+}
+
+/// Cells that it takes to cover the box.
+Vec3 covering_cells(const BoxShape& box, double spacing) {
+  return ((box.upper - box.lower) / spacing - Vec3::Constant(kWhole)).array().ceil().max(1.0);
 }
 
 double half_cells(const SphereShape& sphere, double spacing) {
@@ -79,6 +100,10 @@ double lattice_size(const SphereShape& sphere, double spacing) {
   return std::pow(2 * half_cells(sphere, spacing), 3);
 }
 
+double lattice_size(const TriangleSurface& solid, double spacing) {
+  return covering_cells(bounding_box(solid), spacing).prod();
+}
+
 std::vector<Vec3> lattice_points(const BoxShape& box, double spacing) {
   const Vec3 cells = whole_cells(box, spacing);
   const std::array<std::int64_t, 3> count{std::int64_t(cells[0]), std::int64_t(cells[1]),
@@ -91,6 +116,15 @@ std::vector<Vec3> lattice_points(const SphereShape& sphere, double spacing) {
   const auto count = std::int64_t(2 * cells);
   return lattice(sphere.center - Vec3::Constant((cells - 0.5) * spacing), {count, count, count}, spacing,
                  [&](const Vec3& x) { return (x - sphere.center).norm() <= sphere.radius * (1 + kWhole); });
+}
+
+std::vector<Vec3> lattice_points(const TriangleSurface& solid, double spacing) {
+  const BoxShape box = bounding_box(solid);
+  const Vec3 cells = covering_cells(box, spacing);
+  const SolidDistance distance(solid);
+  return lattice(box.lower + Vec3::Constant(spacing / 2),
+                 {std::int64_t(cells[0]), std::int64_t(cells[1]), std::int64_t(cells[2])}, spacing,
+                 [&](const Vec3& x) { return distance.nearest(x).distance < 0; });
 }
 
 }  // namespace kappaflow

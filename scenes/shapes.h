@@ -16,10 +16,14 @@ TriangleSurface stairs_surface(const StairsShape& stairs);
 /// An upper bound of the number of lattice points of the shape, as a number that cannot overflow.
 double lattice_size(const BoxShape& box, double spacing);
 double lattice_size(const SphereShape& sphere, double spacing);
+double lattice_size(const TriangleSurface& solid, double spacing);
 
 /// Points of a cubic lattice in the shape, x-fastest: in a box at lower + (i + 1/2) spacing with all cells
-/// inside the box, in a sphere at center + (i + 1/2) spacing no further than the radius.
+/// inside the box, in a sphere at center + (i + 1/2) spacing no further than the radius, in a closed surface
+/// that is oriented outward at lower + (i + 1/2) spacing, with lower the corner of its bounding box, and
+/// inside.
 std::vector<Vec3> lattice_points(const BoxShape& box, double spacing);
 std::vector<Vec3> lattice_points(const SphereShape& sphere, double spacing);
+std::vector<Vec3> lattice_points(const TriangleSurface& solid, double spacing);
 
 }  // namespace kappaflow

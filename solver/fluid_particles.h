@@ -26,6 +26,8 @@ struct FluidParticles {
   std::vector<Vec4f> viscous_change;       ///< of the velocity in the last step [m/s]; starts the next solve
   std::vector<float> density_pressure;     ///< kappa of the constant-density solve [m2/s2], see pressure.h
   std::vector<float> divergence_pressure;  ///< kappa of the divergence-free solve [m2/s2]
+  std::vector<std::uint8_t> fluid;         ///< which of the fluids of FluidOptions it belongs to
+  std::vector<std::uint8_t> led_by;        ///< 0: free; k + 1: keeps the velocity of emitter k
 
   // What follows from the positions: recomputed after every move.
   std::vector<float> density;              ///< over the rest density [1]
@@ -33,6 +35,18 @@ struct FluidParticles {
   std::vector<float> gradient_square_sum;  ///< sum_j |V grad W_ij|^2 [1/m2]
 
   std::size_t size() const { return id.size(); }
+
+  /// Appends a particle without pressure; its id is the number of those before.
+  void add(const Vec3& x, const Vec3& v, std::uint8_t of_fluid, std::uint8_t emitter) {
+    id.push_back(static_cast<std::uint32_t>(size()));
+    position.push_back(padded(x));
+    velocity.push_back(padded(v));
+    viscous_change.emplace_back(Vec4f::Zero());
+    density_pressure.push_back(0);
+    divergence_pressure.push_back(0);
+    fluid.push_back(of_fluid);
+    led_by.push_back(emitter);
+  }
 };
 
 }  // namespace kappaflow

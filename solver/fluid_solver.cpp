@@ -13,6 +13,7 @@
 #include "solver/neighbours.h"
 #include "solver/pressure.h"
 #include "solver/start.h"
+#include "solver/surface_tension.h"
 #include "solver/time_step.h"
 #include "solver/viscosity.h"
 
@@ -20,7 +21,9 @@ namespace kappaflow {
 namespace {
 
 void accelerate(FluidParticles& particles, const Vec4f& acceleration, float time_step) {
-  parallel_for(particles.size(), [&](std::size_t i) { particles.velocity[i] += time_step * acceleration; });
+  parallel_for(particles.size(), [&](std::size_t i) {
+    if (particles.led_by[i] == 0) particles.velocity[i] += time_step * acceleration;
+  });
 }
 
 void move(FluidParticles& particles, float time_step) {
@@ -52,7 +55,13 @@ std::int64_t fastest_id(const FluidParticles& particles) {
 
 struct FluidSolver::State {
   State(const FluidOptions& o, const Walls& w)
-      : options(o), search(static_cast<float>(o.spacing)), walls(w), viscosity(o), pressure(o) {}
+      : options(o),
+        search(static_cast<float>(o.spacing)),
+        walls(w),
+        viscosity(o),
+        pressure(o),
+        tension(o),
+        emitters(o.emitters, o.spacing) {}
 
   void update_neighbourhood();
   double time_step(double time_left) const;
@@ -64,6 +73,8 @@ struct FluidSolver::State {
   Walls walls;
   ViscositySolver viscosity;
   PressureSolver pressure;
+  SurfaceTension tension;
+  Emitters emitters;
 
   double time = 0;
   double fastest = 0;  // speed now
@@ -73,13 +84,16 @@ struct FluidSolver::State {
 };
 
 FluidSolver::FluidSolver(const FluidOptions& options, std::span<const Vec3> position,
-                         std::span<const Vec3> velocity, std::span<const TriangleSurface> walls) {
+                         std::span<const Vec3> velocity, std::span<const TriangleSurface> walls,
+                         std::span<const std::uint8_t> fluid) {
   check_options(options);
   const std::vector<SolidDistance> solids(walls.begin(), walls.end());
-  check_start(position, velocity, solids);
+  check_start(position, velocity, fluid, 1 + options.more_fluids.size(), solids);
   const std::vector<Vec3> samples = sample_walls(walls, solids, options.spacing);
   state_ = std::make_unique<State>(options, Walls(samples, static_cast<float>(options.spacing)));
-  state_->particles = particles_at_start(position, velocity);
+  state_->particles = particles_at_start(position, velocity, fluid);
+  state_->emitters.emit(state_->particles, 0);
+  if (size() == 0) throw InvalidInput("fluid: there are no particles at the start");
   state_->fastest = fastest_speed(state_->particles);
   state_->update_neighbourhood();
 }
@@ -95,11 +109,13 @@ FluidStep FluidSolver::step(double time_left) {
   const float dt = static_cast<float>(done.time_step);
 
   accelerate(s.particles, padded(s.options.gravity), dt);
+  s.tension.apply(s.particles, s.neighbours, dt);
   s.pressure.apply_last(s.particles, s.neighbours, dt);
   done.viscosity_iterations = s.viscosity.solve(s.particles, s.neighbours, s.wall_sums, dt);
   done.density_iterations = s.pressure.correct_density(s.particles, s.neighbours, dt).iterations;
   s.check_finite();
   move(s.particles, dt);
+  s.emitters.emit(s.particles, s.time + done.time_step);
   s.update_neighbourhood();
   done.divergence_iterations = s.pressure.correct_divergence(s.particles, s.neighbours, dt).iterations;
   s.check_finite();
@@ -118,14 +134,16 @@ void FluidSolver::State::update_neighbourhood() {
 double FluidSolver::State::time_step(double time_left) const {
   if (!(time_left > 0))
     throw InvalidInput(fmt::format("time left for the step = {} s; must be above 0", time_left));
-  const double needed = cfl_time_step(fastest, options.gravity.norm(), options.cfl * options.spacing);
+  const double needed = cfl_time_step(std::max(fastest, emitters.fastest()), options.gravity.norm(),
+                                      options.cfl * options.spacing);
   if (needed < options.min_time_step)
     throw SolverFailure(
         time, fastest_id(particles),
         fmt::format("its speed of {:.4g} m/s needs a time step of {:.3g} s, below min_time_step = "
                     "{:.3g} s; lower cfl or max_time_step if the flow explodes, else min_time_step",
                     fastest, needed, options.min_time_step));
-  return fit_time_step(std::min(needed, options.max_time_step), time_left);
+  const double capillary = capillary_time_step(options.surface_tension, options.density, options.spacing);
+  return fit_time_step(std::min({needed, capillary, options.max_time_step}), time_left);
 }
 
 void FluidSolver::State::check_finite() const {
@@ -177,6 +195,13 @@ std::vector<float> FluidSolver::pressures() const {
   for (std::size_t i = 0; i < size(); ++i)
     result[p.id[i]] = static_cast<float>(state_->options.density) * p.density[i] * p.density[i] *
                       (p.density_pressure[i] + p.divergence_pressure[i]);
+  return result;
+}
+
+std::vector<std::uint8_t> FluidSolver::fluids() const {
+  const FluidParticles& p = state_->particles;
+  std::vector<std::uint8_t> result(size());
+  for (std::size_t i = 0; i < size(); ++i) result[p.id[i]] = p.fluid[i];
   return result;
 }
 

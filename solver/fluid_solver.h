@@ -8,8 +8,15 @@
 
 #include "core/particles.h"
 #include "core/types.h"
+#include "solver/emitter.h"
 
 namespace kappaflow {
+
+/// The viscosities of one fluid.
+struct FluidViscosity {
+  double kinematic = 1;  ///< [m2/s]
+  double boundary = 1;   ///< kinematic viscosity between it and walls [m2/s]
+};
 
 /// Options of the solver; SI units.
 struct FluidOptions {
@@ -18,7 +25,13 @@ struct FluidOptions {
   double kinematic_viscosity = 1;  ///< [m2/s]
   double boundary_viscosity =
       1;  ///< kinematic viscosity between liquid and walls [m2/s]: no-slip friction; 0: free slip
-  Vec3 gravity{0, -9.81, 0};  ///< [m/s2]
+  /// Fluids 1, 2, ... where there are several; those above are fluid 0's. All have the same rest density.
+  /// Between fluids of viscosities a and b the viscosity is their harmonic mean, 2 a b / (a + b): the shear
+  /// stress across the interface is then continuous.
+  std::vector<FluidViscosity> more_fluids;
+  std::vector<Emitter> emitters;
+  double surface_tension = 0;  ///< of all fluids against the air [N/m]; see surface_tension.h
+  Vec3 gravity{0, -9.81, 0};   ///< [m/s2]
 
   double cfl = 0.4;             ///< a step moves no particle further than cfl * spacing
   double min_time_step = 1e-6;  ///< [s]; a flow that needs less is a SolverFailure
@@ -45,10 +58,12 @@ struct FluidStep {
 /// A viscous liquid between rigid walls.
 class FluidSolver {
  public:
-  /// position, velocity: one entry a particle; ids are 0, 1, ... in this order. walls: closed, oriented
-  /// outward from the solid. Throws InvalidInput for options out of range or particles inside a wall.
+  /// position, velocity: one entry a particle; ids are 0, 1, ... in this order, and go on in the order in
+  /// which emitters make particles. walls: closed, oriented outward from the solid. fluid: which of the
+  /// fluids each particle is of; empty: all of fluid 0. Throws InvalidInput for options out of range,
+  /// particles inside a wall, or when there is no particle at t = 0.
   FluidSolver(const FluidOptions& options, std::span<const Vec3> position, std::span<const Vec3> velocity,
-              std::span<const TriangleSurface> walls);
+              std::span<const TriangleSurface> walls, std::span<const std::uint8_t> fluid = {});
   ~FluidSolver();
   FluidSolver(FluidSolver&&) noexcept;
   FluidSolver& operator=(FluidSolver&&) noexcept;
@@ -58,11 +73,12 @@ class FluidSolver {
   /// min_time_step.
   FluidStep step(double time_left);
 
-  double time() const;                   ///< [s]
-  std::size_t size() const;              ///< particles
-  Particles particles() const;           ///< now, sorted by id
-  std::vector<float> densities() const;  ///< by id [kg/m3]
-  std::vector<float> pressures() const;  ///< by id [Pa]
+  double time() const;                       ///< [s]
+  std::size_t size() const;                  ///< particles; grows where there are emitters
+  Particles particles() const;               ///< now, sorted by id
+  std::vector<float> densities() const;      ///< by id [kg/m3]
+  std::vector<float> pressures() const;      ///< by id [Pa]
+  std::vector<std::uint8_t> fluids() const;  ///< by id, which fluid
 
  private:
   struct State;

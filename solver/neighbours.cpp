@@ -75,6 +75,7 @@ void NeighbourSearch::sort(FluidParticles& particles) {
     permute(*array, vector_buffer_);
   for (auto* array : {&particles.density_pressure, &particles.divergence_pressure})
     permute(*array, scalar_buffer_);
+  for (auto* array : {&particles.fluid, &particles.led_by}) permute(*array, byte_buffer_);
 }
 
 void NeighbourSearch::find_in_chunk(std::size_t chunk, const FluidParticles& particles,

@@ -87,6 +87,7 @@ class NeighbourSearch {
   std::vector<Vec4f> vector_buffer_;
   std::vector<float> scalar_buffer_;
   std::vector<std::uint32_t> id_buffer_;
+  std::vector<std::uint8_t> byte_buffer_;
 };
 
 }  // namespace kappaflow

@@ -43,6 +43,7 @@ float density_rate(std::size_t i, const FluidParticles& particles, const Neighbo
 }
 
 Vec4f pressure_acceleration(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists) {
+  if (particles.led_by[i] != 0) return Vec4f::Zero();
   const Vec4f xi = particles.position[i];
   Wide sum_x = Wide::Zero(), sum_y = Wide::Zero(), sum_z = Wide::Zero();
   for (const PairBlock& block : lists.of(i)) {

@@ -75,7 +75,8 @@ class PressureSolver {
 float density_rate(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists,
                    const std::vector<Vec4f>& u);
 
-/// -D^T kappa: the accelerations a_i above [m/s2], with kappa_i in position[i].w.
+/// -D^T kappa: the accelerations a_i above [m/s2], with kappa_i in position[i].w. Zero for a particle that an
+/// emitter leads, as if its mass were infinite; the system stays symmetric.
 Vec4f pressure_acceleration(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists);
 
 }  // namespace kappaflow

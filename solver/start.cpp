@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numeric>
 
 #include "core/errors.h"
+#include "solver/surface_tension.h"
 
 namespace kappaflow {
 namespace {
@@ -29,6 +29,18 @@ void check_options(const FluidOptions& o) {
   require_positive(o.density, "density");
   require_not_negative(o.kinematic_viscosity, "kinematic_viscosity");
   require_not_negative(o.boundary_viscosity, "boundary_viscosity");
+  require(o.more_fluids.size() < 256, fmt::format("{} fluids; allowed: 256", 1 + o.more_fluids.size()));
+  for (const FluidViscosity& fluid : o.more_fluids) {
+    require_not_negative(fluid.kinematic, "kinematic viscosity of a further fluid");
+    require_not_negative(fluid.boundary, "boundary viscosity of a further fluid");
+  }
+  require(o.emitters.size() < 256, fmt::format("{} emitters; allowed: 255", o.emitters.size()));
+  for (const Emitter& emitter : o.emitters) check_emitter(emitter, o.spacing, 1 + o.more_fluids.size());
+  require_not_negative(o.surface_tension, "surface_tension");
+  const double capillary = capillary_time_step(o.surface_tension, o.density, o.spacing);
+  require(capillary >= o.min_time_step,
+          fmt::format("surface_tension = {} N/m needs time steps of {:.3g} s, below min_time_step = {:.3g} s",
+                      o.surface_tension, capillary, o.min_time_step));
   require(o.gravity.allFinite(), "gravity must be finite");
   require_positive(o.cfl, "cfl");
   require_positive(o.min_time_step, "min_time_step");
@@ -44,10 +56,14 @@ void check_options(const FluidOptions& o) {
 }
 
 void check_start(std::span<const Vec3> position, std::span<const Vec3> velocity,
+                 std::span<const std::uint8_t> fluid, std::size_t fluids,
                  std::span<const SolidDistance> solids) {
-  require(!position.empty(), "there are no particles");
   require(position.size() == velocity.size(),
           fmt::format("{} positions but {} velocities", position.size(), velocity.size()));
+  require(fluid.empty() || fluid.size() == position.size(),
+          fmt::format("{} positions but fluids of {} particles", position.size(), fluid.size()));
+  for (const std::uint8_t index : fluid)
+    require(index < fluids, fmt::format("a particle is of fluid {}; there are {}", index, fluids));
   for (std::size_t i = 0; i < position.size(); ++i) {
     const Vec3& x = position[i];
     require(x.allFinite() && velocity[i].allFinite(),
@@ -57,18 +73,11 @@ void check_start(std::span<const Vec3> position, std::span<const Vec3> velocity,
   }
 }
 
-FluidParticles particles_at_start(std::span<const Vec3> position, std::span<const Vec3> velocity) {
-  const std::size_t n = position.size();
+FluidParticles particles_at_start(std::span<const Vec3> position, std::span<const Vec3> velocity,
+                                  std::span<const std::uint8_t> fluid) {
   FluidParticles particles;
-  particles.id.resize(n);
-  std::iota(particles.id.begin(), particles.id.end(), 0u);
-  for (std::size_t i = 0; i < n; ++i) {
-    particles.position.emplace_back(padded(position[i]));
-    particles.velocity.emplace_back(padded(velocity[i]));
-  }
-  particles.viscous_change.assign(n, Vec4f::Zero());
-  particles.density_pressure.assign(n, 0);
-  particles.divergence_pressure.assign(n, 0);
+  for (std::size_t i = 0; i < position.size(); ++i)
+    particles.add(position[i], velocity[i], fluid.empty() ? std::uint8_t{0} : fluid[i], 0);
   return particles;
 }
 

@@ -12,7 +12,38 @@ double dot(const Vec4f& a, const Vec4f& b) {
   return static_cast<double>(a.dot(b));
 }
 
+Vec4f operator*(const SymmetricMatrix& m, const Vec4f& v) {
+  const auto& [xx, yy, zz, yz, xz, xy] = m;
+  return {xx * v[0] + xy * v[1] + xz * v[2], xy * v[0] + yy * v[1] + yz * v[2],
+          xz * v[0] + yz * v[1] + zz * v[2], 0};
+}
+
 }  // namespace
+
+ViscositySolver::ViscositySolver(const FluidOptions& options)
+    : support_(static_cast<float>(2 * options.spacing)),
+      fluids_(1 + options.more_fluids.size()),
+      tolerance_(options.viscosity_tolerance),
+      max_iterations_(options.max_viscosity_iterations) {
+  std::vector<double> kinematic{options.kinematic_viscosity};
+  boundary_viscosity_.push_back(static_cast<float>(options.boundary_viscosity));
+  for (const FluidViscosity& fluid : options.more_fluids) {
+    kinematic.push_back(fluid.kinematic);
+    boundary_viscosity_.push_back(static_cast<float>(fluid.boundary));
+  }
+  for (const double a : kinematic)
+    for (const double b : kinematic)
+      pair_viscosity_.push_back(a + b > 0 ? static_cast<float>(2 * a * b / (a + b)) : 0);
+}
+
+Wide ViscositySolver::pair_viscosity(std::uint8_t fluid, const FluidParticles& particles,
+                                     const PairBlock& block) const {
+  const float* with = pair_viscosity_.data() + fluid * fluids_;
+  if (fluids_ == 1) return Wide::Constant(with[0]);
+  Wide result;
+  for (int k = 0; k < kWide; ++k) result[k] = with[particles.fluid[block.index[static_cast<std::size_t>(k)]]];
+  return result;
+}
 
 Vec4f ViscositySolver::apply_to(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists,
                                 const WallSums& walls, float time_step, const std::vector<Vec4f>& u) const {
@@ -23,15 +54,15 @@ Vec4f ViscositySolver::apply_to(std::size_t i, const FluidParticles& particles, 
     const WideVec uj = gather(u.data(), block.index.data());
     const Wide x = xi[0] - xj.x, y = xi[1] - xj.y, z = xi[2] - xj.z;
     const Wide r2 = x * x + y * y + z * z;
-    const Wide scale = viscosity_weight<Wide>(r2, lists.factor(block), support_) *
+    const Wide scale = pair_viscosity(particles.fluid[i], particles, block) *
+                       viscosity_weight<Wide>(r2, lists.factor(block), support_) *
                        (x * (ui[0] - uj.x) + y * (ui[1] - uj.y) + z * (ui[2] - uj.z));
     sum_x += scale * x;
     sum_y += scale * y;
     sum_z += scale * z;
   }
   Vec4f sum(sum_x.sum(), sum_y.sum(), sum_z.sum(), 0);
-  sum *= viscosity_;
-  if (walls.touches[i]) sum += boundary_viscosity_ * (walls.friction[i] * ui.head<3>());
+  if (walls.touches[i]) sum += boundary_viscosity_[particles.fluid[i]] * (walls.friction[i] * ui.head<3>());
   return ui + time_step * sum;
 }
 
@@ -53,7 +84,8 @@ void ViscositySolver::invert_diagonal(const FluidParticles& particles, const Nei
       const WideVec xj = gather(particles.position.data(), block.index.data());
       const Wide x = xi[0] - xj.x, y = xi[1] - xj.y, z = xi[2] - xj.z;
       const Wide r2 = x * x + y * y + z * z;
-      const Wide weight = viscosity_weight<Wide>(r2, lists.factor(block), support_);
+      const Wide weight = pair_viscosity(particles.fluid[i], particles, block) *
+                          viscosity_weight<Wide>(r2, lists.factor(block), support_);
       xx += weight * x * x;
       yy += weight * y * y;
       zz += weight * z * z;
@@ -61,20 +93,18 @@ void ViscositySolver::invert_diagonal(const FluidParticles& particles, const Nei
       xz += weight * x * z;
       yz += weight * y * z;
     }
-    Mat43f block = Mat43f::Zero();
-    block.topRows<3>() << xx.sum(), xy.sum(), xz.sum(), xy.sum(), yy.sum(), yz.sum(), xz.sum(), yz.sum(),
-        zz.sum();
-    block = viscosity_ * block + boundary_viscosity_ * walls.friction[i];
-    const Eigen::Matrix3f diagonal = Eigen::Matrix3f::Identity() + time_step * block.topRows<3>();
-    inverse_diagonal_[i].topRows<3>() = diagonal.inverse();
-    inverse_diagonal_[i].row(3).setZero();
+    Eigen::Matrix3f block;
+    block << xx.sum(), xy.sum(), xz.sum(), xy.sum(), yy.sum(), yz.sum(), xz.sum(), yz.sum(), zz.sum();
+    block += boundary_viscosity_[particles.fluid[i]] * walls.friction[i].topRows<3>();
+    const Eigen::Matrix3f m = (Eigen::Matrix3f::Identity() + time_step * block).inverse();
+    inverse_diagonal_[i] = {m(0, 0), m(1, 1), m(2, 2), m(1, 2), m(0, 2), m(0, 1)};
   });
 }
 
 int ViscositySolver::solve(FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,
                            float time_step) {
   const std::size_t n = particles.size();
-  for (auto* array : {&residual_, &image_, &preconditioned_}) array->resize(n);
+  for (auto* array : {&residual_, &image_}) array->resize(n);
   direction_.assign(n, Vec4f::Zero());  // resize() leaves Eigen's vectors uninitialised, and 0 * NaN is NaN
   auto& velocity = particles.velocity;
   auto& change = particles.viscous_change;
@@ -86,24 +116,26 @@ int ViscositySolver::solve(FluidParticles& particles, const NeighbourLists& list
   const double target = tolerance_ * tolerance_ * sum([&](std::size_t i) {
                           residual_[i] =
                               velocity[i] - apply_to(i, particles, lists, walls, time_step, velocity);
+                          if (particles.led_by[i] != 0) residual_[i].setZero();
                           return dot(residual_[i], residual_[i]);
                         });
   double square = sum([&](std::size_t i) {
     residual_[i] -= apply_to(i, particles, lists, walls, time_step, change);
+    if (particles.led_by[i] != 0) residual_[i].setZero();
     return dot(residual_[i], residual_[i]);
   });
   double energy = 0;
   int iterations = 0;
   while (square > target && iterations < max_iterations_) {
     const double last_energy = energy;
-    energy = sum([&](std::size_t i) {
-      preconditioned_[i] = inverse_diagonal_[i] * residual_[i].head<3>();
-      return dot(preconditioned_[i], residual_[i]);
-    });
+    energy = sum([&](std::size_t i) { return dot(inverse_diagonal_[i] * residual_[i], residual_[i]); });
     const float conjugate = iterations == 0 ? 0.0f : static_cast<float>(energy / last_energy);
-    parallel_for(n, [&](std::size_t i) { direction_[i] = preconditioned_[i] + conjugate * direction_[i]; });
+    parallel_for(n, [&](std::size_t i) {
+      direction_[i] = inverse_diagonal_[i] * residual_[i] + conjugate * direction_[i];
+    });
     const double curvature = sum([&](std::size_t i) {
       image_[i] = apply_to(i, particles, lists, walls, time_step, direction_);
+      if (particles.led_by[i] != 0) image_[i].setZero();
       return dot(direction_[i], image_[i]);
     });
     const float length = static_cast<float>(energy / curvature);

@@ -2,7 +2,7 @@
 // for SPH fluids" (2018), with rest volumes in place of the current ones, which makes the system symmetric.
 #pragma once
 
-#include <algorithm>
+#include <array>
 #include <vector>
 
 #include "solver/boundary.h"
@@ -20,17 +20,16 @@ T viscosity_weight(const T& r2, const T& factor, float support) {
   return -10 * factor / (r2 + 0.01f * support * support);
 }
 
+/// xx, yy, zz, yz, xz, xy
+using SymmetricMatrix = std::array<float, 6>;
+
 /// Solves (I + dt L) v = v* for the new velocities v, where L v is minus the viscous acceleration: symmetric,
-/// positive semidefinite, zero for rigid motions of free liquid. Conjugate gradients on the change v - v*,
-/// starting from the last step's, preconditioned by the inverses of the 3x3 diagonal blocks.
+/// positive semidefinite, zero for rigid motions of free liquid. The particles that an emitter leads keep
+/// their velocity; the others are solved for. Conjugate gradients on the change v - v*, starting from the
+/// last step's, preconditioned by the inverses of the 3x3 diagonal blocks.
 class ViscositySolver {
  public:
-  explicit ViscositySolver(const FluidOptions& options)
-      : support_(static_cast<float>(2 * options.spacing)),
-        viscosity_(static_cast<float>(options.kinematic_viscosity)),
-        boundary_viscosity_(static_cast<float>(options.boundary_viscosity)),
-        tolerance_(options.viscosity_tolerance),
-        max_iterations_(options.max_viscosity_iterations) {}
+  explicit ViscositySolver(const FluidOptions& options);
 
   /// Replaces particles.velocity and viscous_change; returns the number of iterations. time_step [s].
   int solve(FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls, float time_step);
@@ -45,12 +44,16 @@ class ViscositySolver {
   void invert_diagonal(const FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,
                        float time_step);
 
-  float support_;                         // of the kernel [m]
-  float viscosity_, boundary_viscosity_;  // kinematic [m2/s]
-  double tolerance_;                      // on |residual| / |dt L v*|
+  /// Kinematic viscosities between a particle of `fluid` and the eight of the block [m2/s].
+  Wide pair_viscosity(std::uint8_t fluid, const FluidParticles& particles, const PairBlock& block) const;
+
+  float support_;  // of the kernel [m]
+  std::size_t fluids_;
+  std::vector<float> pair_viscosity_, boundary_viscosity_;  // kinematic [m2/s]; by i and j, and by i
+  double tolerance_;                                        // on |residual| / |dt L v*|
   int max_iterations_;
-  std::vector<Mat43f> inverse_diagonal_;
-  std::vector<Vec4f> residual_, direction_, image_, preconditioned_;
+  std::vector<SymmetricMatrix> inverse_diagonal_;
+  std::vector<Vec4f> residual_, direction_, image_;
 };
 
 }  // namespace kappaflow

@@ -27,14 +27,29 @@ struct ShapeText {
   std::string operator()(const MeshShape& mesh) const { return fmt::format("mesh {}", mesh.file.string()); }
 };
 
+/// Of a fluid that is not the scene's first.
+std::string viscosity_text(std::uint8_t number, const FluidOptions& fluid) {
+  if (number == 0) return "";
+  return fmt::format(", kinematic viscosity {:.4g} m2/s", fluid.more_fluids[number - 1].kinematic);
+}
+
+std::string emitter_line(const Emitter& emitter, const FluidOptions& fluid) {
+  const double layer = static_cast<double>(emitter_layer(emitter, fluid.spacing).size());
+  return fmt::format(
+      "    emitter at {} m, {:.4g} m/s towards {}, {:.4g} m3/s ({} particles a layer){}\n",
+      vector_text(emitter.position), emitter.speed, vector_text(emitter.direction.normalized()),
+      layer * fluid.spacing * fluid.spacing * emitter.speed, layer, viscosity_text(emitter.fluid, fluid));
+}
+
 std::string liquid_lines(const Scene& scene) {
   const FluidOptions& fluid = scene.fluid;
   std::string text =
       fmt::format("  liquid    spacing {:.4g} m, density {:.6g} kg/m3, kinematic viscosity {:.4g} m2/s\n",
                   fluid.spacing, fluid.density, fluid.kinematic_viscosity);
   for (const FluidBlock& block : scene.blocks)
-    text += fmt::format("    block   {}, moving at {} m/s\n", std::visit(ShapeText(), block.shape),
-                        vector_text(block.velocity));
+    text += fmt::format("    block   {}, moving at {} m/s{}\n", std::visit(ShapeText(), block.shape),
+                        vector_text(block.velocity), viscosity_text(block.fluid, fluid));
+  for (const Emitter& emitter : scene.fluid.emitters) text += emitter_line(emitter, fluid);
   for (const Wall& wall : scene.walls)
     text += fmt::format("    wall    {}\n", std::visit(ShapeText(), wall.shape));
   return text;
@@ -62,10 +77,12 @@ std::string check_text(const Scene& scene, int threads) {
                      scene.output.frames_per_second) +
          liquid_lines(scene) + surface_line(scene.surface, scene.fluid.spacing) +
          fmt::format(
-             "  particles {}\n  boundary particles {}\n  memory    about {:.0f} MB\n  time      about {} on "
+             "  particles {}{}\n  boundary particles {}\n  memory    about {:.0f} MB\n  time      about {} "
+             "on "
              "{} "
              "thread{}\n",
-             cost.particles, cost.boundary_particles, std::ceil(static_cast<double>(cost.memory_bytes) / 1e6),
+             cost.particles, cost.emitted > 0 ? fmt::format(", and {} from emitters", cost.emitted) : "",
+             cost.boundary_particles, std::ceil(static_cast<double>(cost.memory_bytes) / 1e6),
              duration_text(cost.seconds), threads, threads == 1 ? "" : "s");
 }
 
