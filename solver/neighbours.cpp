@@ -72,9 +72,9 @@ void NeighbourSearch::sort(FluidParticles& particles) {
   grid_.build(std::span<const Vec4f>(particles.position), kernel_.support());
   permute(particles.id, id_buffer_);
   for (auto* array : {&particles.position, &particles.velocity, &particles.viscous_change})
-    permute(*array, vector_buffer_);
+    permute(*array, particles.scratch[0]);
   for (auto* array : {&particles.density_pressure, &particles.divergence_pressure})
-    permute(*array, scalar_buffer_);
+    permute(*array, particles.scalar_scratch);
   for (auto* array : {&particles.fluid, &particles.led_by}) permute(*array, byte_buffer_);
 }
 

@@ -84,8 +84,6 @@ class NeighbourSearch {
   float volume_, unit_;  // unit_: NeighbourLists::unit
   CellGrid grid_;
   tbb::enumerable_thread_specific<Scratch> scratch_;
-  std::vector<Vec4f> vector_buffer_;
-  std::vector<float> scalar_buffer_;
   std::vector<std::uint32_t> id_buffer_;
   std::vector<std::uint8_t> byte_buffer_;
 };

@@ -104,8 +104,10 @@ void ViscositySolver::invert_diagonal(const FluidParticles& particles, const Nei
 int ViscositySolver::solve(FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,
                            float time_step) {
   const std::size_t n = particles.size();
-  for (auto* array : {&residual_, &image_}) array->resize(n);
-  direction_.assign(n, Vec4f::Zero());  // resize() leaves Eigen's vectors uninitialised, and 0 * NaN is NaN
+  auto& [residual, direction, image] = particles.scratch;
+  residual.resize(n);
+  image.resize(n);
+  direction.assign(n, Vec4f::Zero());  // resize() leaves Eigen's vectors uninitialised, and 0 * NaN is NaN
   auto& velocity = particles.velocity;
   auto& change = particles.viscous_change;
   invert_diagonal(particles, lists, walls, time_step);
@@ -114,41 +116,41 @@ int ViscositySolver::solve(FluidParticles& particles, const NeighbourLists& list
   // tolerance.
   const auto sum = [n](const auto& value) { return parallel_sum<double>(n, 0.0, value); };
   const double target = tolerance_ * tolerance_ * sum([&](std::size_t i) {
-                          residual_[i] =
+                          residual[i] =
                               velocity[i] - apply_to(i, particles, lists, walls, time_step, velocity);
-                          if (particles.led_by[i] != 0) residual_[i].setZero();
-                          return dot(residual_[i], residual_[i]);
+                          if (particles.led_by[i] != 0) residual[i].setZero();
+                          return dot(residual[i], residual[i]);
                         });
   double square = sum([&](std::size_t i) {
-    residual_[i] -= apply_to(i, particles, lists, walls, time_step, change);
-    if (particles.led_by[i] != 0) residual_[i].setZero();
-    return dot(residual_[i], residual_[i]);
+    residual[i] -= apply_to(i, particles, lists, walls, time_step, change);
+    if (particles.led_by[i] != 0) residual[i].setZero();
+    return dot(residual[i], residual[i]);
   });
   double energy = 0;
   int iterations = 0;
   while (square > target && iterations < max_iterations_) {
     const double last_energy = energy;
-    energy = sum([&](std::size_t i) { return dot(inverse_diagonal_[i] * residual_[i], residual_[i]); });
+    energy = sum([&](std::size_t i) { return dot(inverse_diagonal_[i] * residual[i], residual[i]); });
     const float conjugate = iterations == 0 ? 0.0f : static_cast<float>(energy / last_energy);
     parallel_for(n, [&](std::size_t i) {
-      direction_[i] = inverse_diagonal_[i] * residual_[i] + conjugate * direction_[i];
+      direction[i] = inverse_diagonal_[i] * residual[i] + conjugate * direction[i];
     });
     const double curvature = sum([&](std::size_t i) {
-      image_[i] = apply_to(i, particles, lists, walls, time_step, direction_);
-      if (particles.led_by[i] != 0) image_[i].setZero();
-      return dot(direction_[i], image_[i]);
+      image[i] = apply_to(i, particles, lists, walls, time_step, direction);
+      if (particles.led_by[i] != 0) image[i].setZero();
+      return dot(direction[i], image[i]);
     });
     const float length = static_cast<float>(energy / curvature);
     square = sum([&](std::size_t i) {
-      change[i] += length * direction_[i];
-      residual_[i] -= length * image_[i];
-      return dot(residual_[i], residual_[i]);
+      change[i] += length * direction[i];
+      residual[i] -= length * image[i];
+      return dot(residual[i], residual[i]);
     });
     ++iterations;
   }
   // change + residual = -dt L (v* + change) is a sum of pair forces: momentum is conserved whatever the
   // tolerance.
-  parallel_for(n, [&](std::size_t i) { velocity[i] += change[i] + residual_[i]; });
+  parallel_for(n, [&](std::size_t i) { velocity[i] += change[i] + residual[i]; });
   return iterations;
 }
 

@@ -53,7 +53,6 @@ class ViscositySolver {
   double tolerance_;                                        // on |residual| / |dt L v*|
   int max_iterations_;
   std::vector<SymmetricMatrix> inverse_diagonal_;
-  std::vector<Vec4f> residual_, direction_, image_;
 };
 
 }  // namespace kappaflow
