@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "scenes/scene.h"
 #include "scenes/toml_reader.h"
@@ -123,8 +124,8 @@ void read_fluid(TomlTable t, FluidOptions& fluid, std::vector<FluidBlock>& block
   fluid.spacing = t.number("spacing", length());
   fluid.density = t.number("density", positive("kg/m3", kMaxDensity), fluid.density);
   fluid.kinematic_viscosity = read_viscosity(t, fluid.density);
-  fluid.boundary_viscosity =
-      t.number("boundary_viscosity", non_negative("m2/s", kMaxViscosity), fluid.kinematic_viscosity);
+  fluid.slip_length = t.number_or("free", "slip_length", non_negative("m", kMaxLength), fluid.slip_length)
+                          .value_or(std::numeric_limits<double>::infinity());
   fluid.gravity = t.vector("gravity", "m/s2", fluid.gravity);
   std::vector<TomlTable> tables = t.tables("block", true);
   t.finish();

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/particles.h"
+#include "core/rigid_motion.h"
 #include "core/types.h"
 
 namespace kappaflow {
@@ -16,9 +17,8 @@ struct FluidOptions {
   double spacing = 0;     ///< rest distance of neighbouring particles [m]; the kernel's support is twice it
   double density = 1000;  ///< rest density [kg/m3]
   double kinematic_viscosity = 1;  ///< [m2/s]
-  double boundary_viscosity =
-      1;  ///< kinematic viscosity between liquid and walls [m2/s]: no-slip friction; 0: free slip
-  Vec3 gravity{0, -9.81, 0};  ///< [m/s2]
+  double slip_length = 0;          ///< of the walls (Navier): 0: no slip, infinite: free slip [m]
+  Vec3 gravity{0, -9.81, 0};       ///< [m/s2]
 
   double cfl = 0.4;             ///< a step moves no particle further than cfl * spacing
   double min_time_step = 1e-6;  ///< [s]; a flow that needs less is a SolverFailure
@@ -46,9 +46,11 @@ struct FluidStep {
 class FluidSolver {
  public:
   /// position, velocity: one entry a particle; ids are 0, 1, ... in this order. walls: closed, oriented
-  /// outward from the solid. Throws InvalidInput for options out of range or particles inside a wall.
+  /// outward from the solid, where they are at t = 0. motions: of the walls, one each; empty: all at rest.
+  /// Walls with different motions are solids of their own: where they meet liquid they should not overlap.
+  /// Throws InvalidInput for options out of range or particles inside a wall.
   FluidSolver(const FluidOptions& options, std::span<const Vec3> position, std::span<const Vec3> velocity,
-              std::span<const TriangleSurface> walls);
+              std::span<const TriangleSurface> walls, std::span<const RigidMotion> motions = {});
   ~FluidSolver();
   FluidSolver(FluidSolver&&) noexcept;
   FluidSolver& operator=(FluidSolver&&) noexcept;

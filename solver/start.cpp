@@ -28,7 +28,7 @@ void check_options(const FluidOptions& o) {
   require_positive(o.spacing, "spacing");
   require_positive(o.density, "density");
   require_not_negative(o.kinematic_viscosity, "kinematic_viscosity");
-  require_not_negative(o.boundary_viscosity, "boundary_viscosity");
+  require(o.slip_length >= 0, fmt::format("slip_length = {}; must be 0 or greater", o.slip_length));
   require(o.gravity.allFinite(), "gravity must be finite");
   require_positive(o.cfl, "cfl");
   require_positive(o.min_time_step, "min_time_step");

@@ -23,15 +23,15 @@ Vec4f ViscositySolver::apply_to(std::size_t i, const FluidParticles& particles, 
     const WideVec uj = gather(u.data(), block.index.data());
     const Wide x = xi[0] - xj.x, y = xi[1] - xj.y, z = xi[2] - xj.z;
     const Wide r2 = x * x + y * y + z * z;
-    const Wide scale = viscosity_weight<Wide>(r2, lists.factor(block), support_) *
-                       (x * (ui[0] - uj.x) + y * (ui[1] - uj.y) + z * (ui[2] - uj.z));
+    const Wide scale =
+        viscosity_weight<Wide>(r2, support_) * (x * (ui[0] - uj.x) + y * (ui[1] - uj.y) + z * (ui[2] - uj.z));
     sum_x += scale * x;
     sum_y += scale * y;
     sum_z += scale * z;
   }
   Vec4f sum(sum_x.sum(), sum_y.sum(), sum_z.sum(), 0);
   sum *= viscosity_;
-  if (walls.touches[i]) sum += boundary_viscosity_ * (walls.friction[i] * ui.head<3>());
+  if (walls.touches(i)) sum += wall_viscosity_ * walls.drag(i, ui);
   return ui + time_step * sum;
 }
 
@@ -53,7 +53,7 @@ void ViscositySolver::invert_diagonal(const FluidParticles& particles, const Nei
       const WideVec xj = gather(particles.position.data(), block.index.data());
       const Wide x = xi[0] - xj.x, y = xi[1] - xj.y, z = xi[2] - xj.z;
       const Wide r2 = x * x + y * y + z * z;
-      const Wide weight = viscosity_weight<Wide>(r2, lists.factor(block), support_);
+      const Wide weight = viscosity_weight<Wide>(r2, support_);
       xx += weight * x * x;
       yy += weight * y * y;
       zz += weight * z * z;
@@ -64,7 +64,9 @@ void ViscositySolver::invert_diagonal(const FluidParticles& particles, const Nei
     Mat43f block = Mat43f::Zero();
     block.topRows<3>() << xx.sum(), xy.sum(), xz.sum(), xy.sum(), yy.sum(), yz.sum(), xz.sum(), yz.sum(),
         zz.sum();
-    block = viscosity_ * block + boundary_viscosity_ * walls.friction[i];
+    block *= viscosity_;
+    if (walls.touches(i))
+      for (int c = 0; c < 3; ++c) block.col(c) += wall_viscosity_ * walls.drag(i, Vec4f::Unit(c));
     const Eigen::Matrix3f diagonal = Eigen::Matrix3f::Identity() + time_step * block.topRows<3>();
     inverse_diagonal_[i].topRows<3>() = diagonal.inverse();
     inverse_diagonal_[i].row(3).setZero();
@@ -80,12 +82,13 @@ int ViscositySolver::solve(FluidParticles& particles, const NeighbourLists& list
   auto& change = particles.viscous_change;
   invert_diagonal(particles, lists, walls, time_step);
 
-  // (I + dt L) change = -dt L v*: the right-hand side does not see a common velocity, so neither does the
-  // tolerance.
+  // (I + dt L) change = -dt (L v* - f), where f is the drive of moving walls: the right-hand side does not
+  // see a common velocity, so neither does the tolerance.
   const auto sum = [n](const auto& value) { return parallel_sum<double>(n, 0.0, value); };
   const double target = tolerance_ * tolerance_ * sum([&](std::size_t i) {
                           residual_[i] =
                               velocity[i] - apply_to(i, particles, lists, walls, time_step, velocity);
+                          if (walls.touches(i)) residual_[i] += time_step * wall_viscosity_ * walls.drive(i);
                           return dot(residual_[i], residual_[i]);
                         });
   double square = sum([&](std::size_t i) {
@@ -114,7 +117,7 @@ int ViscositySolver::solve(FluidParticles& particles, const NeighbourLists& list
     });
     ++iterations;
   }
-  // change + residual = -dt L (v* + change) is a sum of pair forces: momentum is conserved whatever the
+  // change + residual = -dt (L (v* + change) - f) is a sum of pair forces: momentum is conserved whatever the
   // tolerance.
   parallel_for(n, [&](std::size_t i) { velocity[i] += change[i] + residual_[i]; });
   return iterations;
