@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "scenes/scene.h"
 #include "scenes/toml_reader.h"
@@ -78,20 +79,19 @@ std::optional<double> read_viscosity(TomlTable& t, double density) {
 /// The fluids of a scene while its tables are read; number 0 is that of [fluid].
 struct Fluids {
   FluidOptions& options;
-  std::optional<double> boundary_viscosity;  // of all of them; empty: each its own
 
   /// The number of the fluid whose viscosity the table states.
   std::uint8_t read(TomlTable& t) {
     const std::optional<double> viscosity = read_viscosity(t, options.density);
     if (!viscosity || *viscosity == options.kinematic_viscosity) return 0;
-    std::vector<FluidViscosity>& more = options.more_fluids;
-    const auto known = std::ranges::find(more, *viscosity, &FluidViscosity::kinematic);
+    std::vector<double>& more = options.more_viscosities;
+    const auto known = std::ranges::find(more, *viscosity);
     const auto number = static_cast<std::size_t>(known - more.begin()) + 1;
     if (number > kMaxFluidNumber)
       throw InvalidInput(
           t.where(), fmt::format("the scene has more than {} different viscosities; allowed: at most as many",
                                  kMaxFluidNumber + 1));
-    if (known == more.end()) more.push_back({*viscosity, boundary_viscosity.value_or(*viscosity)});
+    if (known == more.end()) more.push_back(*viscosity);
     return static_cast<std::uint8_t>(number);
   }
 };
@@ -138,7 +138,7 @@ Emitter read_emitter(TomlTable t, Fluids& fluids) {
   emitter.fluid = fluids.read(t);
   t.finish();
   try {
-    check_emitter(emitter, fluids.options.spacing, 1 + fluids.options.more_fluids.size());
+    check_emitter(emitter, fluids.options.spacing, 1 + fluids.options.more_viscosities.size());
   } catch (const InvalidInput& error) {
     throw InvalidInput(t.where(), error.what());
   }
@@ -180,9 +180,8 @@ void read_fluid(TomlTable t, Scene& scene) {
   fluid.spacing = t.number("spacing", length());
   fluid.density = t.number("density", positive("kg/m3", kMaxDensity), fluid.density);
   const std::optional<double> viscosity = read_viscosity(t, fluid.density);
-  std::optional<double> boundary;
-  if (t.has("boundary_viscosity"))
-    boundary = t.number("boundary_viscosity", non_negative("m2/s", kMaxViscosity));
+  fluid.slip_length = t.number_or("free", "slip_length", non_negative("m", kMaxLength), fluid.slip_length)
+                          .value_or(std::numeric_limits<double>::infinity());
   fluid.gravity = t.vector("gravity", "m/s2", fluid.gravity);
   std::vector<TomlTable> emitters = t.tables("emitter"), blocks = t.tables("block", emitters.empty());
   t.finish();
@@ -191,10 +190,9 @@ void read_fluid(TomlTable t, Scene& scene) {
                        "missing the viscosity in [fluid]; required: either kinematic_viscosity [m2/s] or "
                        "dynamic_viscosity [Pa s]");
   fluid.kinematic_viscosity = *viscosity;
-  fluid.boundary_viscosity = boundary.value_or(*viscosity);
   if (fluid.gravity.norm() > kMaxSpeed)
     t.refuse("gravity", fmt::format("at most {} m/s2 in length", kMaxSpeed));
-  Fluids fluids{fluid, boundary};
+  Fluids fluids{fluid};
   for (TomlTable& table : blocks) scene.blocks.push_back(read_block(std::move(table), fluids));
   for (TomlTable& table : emitters) {
     scene.emitters_where.push_back(table.where());

@@ -93,7 +93,7 @@ void PressureSolver::apply_last(FluidParticles& particles, const NeighbourLists&
 }
 
 PressureSolve PressureSolver::correct_density(FluidParticles& particles, const NeighbourLists& lists,
-                                              float time_step) {
+                                              const WallSums& walls, float time_step) {
   const std::size_t n = particles.size();
   start_from(particles.density_pressure, particles, lists);
   const auto& acceleration = accelerations(particles);
@@ -101,19 +101,20 @@ PressureSolve PressureSolver::correct_density(FluidParticles& particles, const N
   source.resize(n);
   parallel_for(n, [&](std::size_t i) { particles.velocity[i] -= time_step * acceleration[i]; });
   parallel_for(n, [&](std::size_t i) {
-    source[i] = particles.density[i] - 1 + time_step * density_rate(i, particles, lists, particles.velocity);
+    const float rate = density_rate(i, particles, lists, particles.velocity) + walls.density_rate(i);
+    source[i] = particles.density[i] - 1 + time_step * rate;
   });
   return solve(particles, lists, time_step, density_tolerance_, particles.density_pressure);
 }
 
 PressureSolve PressureSolver::correct_divergence(FluidParticles& particles, const NeighbourLists& lists,
-                                                 float time_step) {
+                                                 const WallSums& walls, float time_step) {
   start_from(particles.divergence_pressure, particles, lists);
   auto& source = sources(particles);
   source.resize(particles.size());
   parallel_for(particles.size(), [&](std::size_t i) {
-    source[i] = std::min(particles.density[i] - 1, 0.0f) +
-                time_step * density_rate(i, particles, lists, particles.velocity);
+    const float rate = density_rate(i, particles, lists, particles.velocity) + walls.density_rate(i);
+    source[i] = std::min(particles.density[i] - 1, 0.0f) + time_step * rate;
   });
   return solve(particles, lists, time_step, divergence_tolerance_, particles.divergence_pressure);
 }

@@ -48,11 +48,13 @@ class PressureSolver {
   /// Constant-density solve: rho/rho0 - 1 + dt D(v + dt a) <= 0, where v are the velocities without the
   /// pressure that apply_last() added. Replaces particles.velocity and density_pressure, which starts the
   /// iteration. time_step [s].
-  PressureSolve correct_density(FluidParticles& particles, const NeighbourLists& lists, float time_step);
+  PressureSolve correct_density(FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,
+                                float time_step);
 
   /// Divergence-free solve: dt D(v + dt a) <= max(0, 1 - rho/rho0), so loose particles at a surface may come
   /// together until they are liquid. Likewise with divergence_pressure.
-  PressureSolve correct_divergence(FluidParticles& particles, const NeighbourLists& lists, float time_step);
+  PressureSolve correct_divergence(FluidParticles& particles, const NeighbourLists& lists,
+                                   const WallSums& walls, float time_step);
 
  private:
   struct Progress;
@@ -66,7 +68,7 @@ class PressureSolver {
   int max_iterations_;
 };
 
-/// D u: rate of change of the relative density that velocities u cause [1/s],
+/// D u: rate of change of the relative density that velocities u cause between walls at rest [1/s],
 /// sum_j V (u_i - u_j) . grad W_ij + u_i . sum_b V_b grad W_ib.
 float density_rate(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists,
                    const std::vector<Vec4f>& u);

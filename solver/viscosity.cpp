@@ -22,15 +22,14 @@ Vec4f operator*(const SymmetricMatrix& m, const Vec4f& v) {
 
 ViscositySolver::ViscositySolver(const FluidOptions& options)
     : support_(static_cast<float>(2 * options.spacing)),
-      fluids_(1 + options.more_fluids.size()),
+      fluids_(1 + options.more_viscosities.size()),
       tolerance_(options.viscosity_tolerance),
       max_iterations_(options.max_viscosity_iterations) {
   std::vector<double> kinematic{options.kinematic_viscosity};
-  boundary_viscosity_.push_back(static_cast<float>(options.boundary_viscosity));
-  for (const FluidViscosity& fluid : options.more_fluids) {
-    kinematic.push_back(fluid.kinematic);
-    boundary_viscosity_.push_back(static_cast<float>(fluid.boundary));
-  }
+  kinematic.insert(kinematic.end(), options.more_viscosities.begin(), options.more_viscosities.end());
+  const double contact = kContactDistance * options.spacing;
+  for (const double viscosity : kinematic)
+    wall_viscosity_.push_back(static_cast<float>(viscosity / (1 + options.slip_length / contact)));
   for (const double a : kinematic)
     for (const double b : kinematic)
       pair_viscosity_.push_back(a + b > 0 ? static_cast<float>(2 * a * b / (a + b)) : 0);
@@ -55,14 +54,14 @@ Vec4f ViscositySolver::apply_to(std::size_t i, const FluidParticles& particles, 
     const Wide x = xi[0] - xj.x, y = xi[1] - xj.y, z = xi[2] - xj.z;
     const Wide r2 = x * x + y * y + z * z;
     const Wide scale = pair_viscosity(particles.fluid[i], particles, block) *
-                       viscosity_weight<Wide>(r2, lists.factor(block), support_) *
+                       viscosity_weight<Wide>(r2, support_) *
                        (x * (ui[0] - uj.x) + y * (ui[1] - uj.y) + z * (ui[2] - uj.z));
     sum_x += scale * x;
     sum_y += scale * y;
     sum_z += scale * z;
   }
   Vec4f sum(sum_x.sum(), sum_y.sum(), sum_z.sum(), 0);
-  if (walls.touches[i]) sum += boundary_viscosity_[particles.fluid[i]] * (walls.friction[i] * ui.head<3>());
+  if (walls.touches(i)) sum += wall_viscosity_[particles.fluid[i]] * walls.drag(i, ui);
   return ui + time_step * sum;
 }
 
@@ -84,8 +83,8 @@ void ViscositySolver::invert_diagonal(const FluidParticles& particles, const Nei
       const WideVec xj = gather(particles.position.data(), block.index.data());
       const Wide x = xi[0] - xj.x, y = xi[1] - xj.y, z = xi[2] - xj.z;
       const Wide r2 = x * x + y * y + z * z;
-      const Wide weight = pair_viscosity(particles.fluid[i], particles, block) *
-                          viscosity_weight<Wide>(r2, lists.factor(block), support_);
+      const Wide weight =
+          pair_viscosity(particles.fluid[i], particles, block) * viscosity_weight<Wide>(r2, support_);
       xx += weight * x * x;
       yy += weight * y * y;
       zz += weight * z * z;
@@ -95,7 +94,9 @@ void ViscositySolver::invert_diagonal(const FluidParticles& particles, const Nei
     }
     Eigen::Matrix3f block;
     block << xx.sum(), xy.sum(), xz.sum(), xy.sum(), yy.sum(), yz.sum(), xz.sum(), yz.sum(), zz.sum();
-    block += boundary_viscosity_[particles.fluid[i]] * walls.friction[i].topRows<3>();
+    if (walls.touches(i))
+      for (int c = 0; c < 3; ++c)
+        block.col(c) += wall_viscosity_[particles.fluid[i]] * walls.drag(i, Vec4f::Unit(c)).head<3>();
     const Eigen::Matrix3f m = (Eigen::Matrix3f::Identity() + time_step * block).inverse();
     inverse_diagonal_[i] = {m(0, 0), m(1, 1), m(2, 2), m(1, 2), m(0, 2), m(0, 1)};
   });
@@ -112,12 +113,14 @@ int ViscositySolver::solve(FluidParticles& particles, const NeighbourLists& list
   auto& change = particles.viscous_change;
   invert_diagonal(particles, lists, walls, time_step);
 
-  // (I + dt L) change = -dt L v*: the right-hand side does not see a common velocity, so neither does the
-  // tolerance.
+  // (I + dt L) change = -dt (L v* - f), where f is the drive of moving walls: the right-hand side does not
+  // see a common velocity, so neither does the tolerance.
   const auto sum = [n](const auto& value) { return parallel_sum<double>(n, 0.0, value); };
   const double target = tolerance_ * tolerance_ * sum([&](std::size_t i) {
                           residual[i] =
                               velocity[i] - apply_to(i, particles, lists, walls, time_step, velocity);
+                          if (walls.touches(i))
+                            residual[i] += time_step * wall_viscosity_[particles.fluid[i]] * walls.drive(i);
                           if (particles.led_by[i] != 0) residual[i].setZero();
                           return dot(residual[i], residual[i]);
                         });
@@ -148,7 +151,7 @@ int ViscositySolver::solve(FluidParticles& particles, const NeighbourLists& list
     });
     ++iterations;
   }
-  // change + residual = -dt L (v* + change) is a sum of pair forces: momentum is conserved whatever the
+  // change + residual = -dt (L (v* + change) - f) is a sum of pair forces: momentum is conserved whatever the
   // tolerance.
   parallel_for(n, [&](std::size_t i) { velocity[i] += change[i] + residual[i]; });
   return iterations;
