@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <numeric>
@@ -32,11 +33,21 @@ class CellGrid {
   template <class Point, class Visit>
   void ranges_near(const Point& x, double radius, const Visit& visit) const;
 
+  /// The cell of the k-th point in cell order.
+  std::uint32_t cell_at(std::size_t k) const { return cell_of_[order_[k]]; }
+
+  /// Likewise for every point within build()'s cell_size of any point of the cell: at most 9 runs.
+  template <class Visit>
+  void ranges_around(std::uint32_t cell, const Visit& visit) const;
+
  private:
   static constexpr std::size_t kMinCells = std::size_t{1} << 16;
   static constexpr std::size_t kCellsPerPoint = 64;
 
   void set_bounds(const Vec3& lower, const Vec3& upper, double cell_size, std::size_t points);
+  void sort_by_cell();
+  template <class Visit>
+  void visit_runs(const std::array<int, 3>& first, const std::array<int, 3>& last, const Visit& visit) const;
   int clamped_cell(double x, int axis) const {
     const double cell = std::floor((x - lower_[axis]) * inverse_cell_size_);
     return static_cast<int>(std::clamp(cell, -1.0, static_cast<double>(dims_[axis])));
@@ -83,15 +94,29 @@ void CellGrid::build(std::span<const Point> points, double cell_size) {
         static_cast<std::uint32_t>((static_cast<std::size_t>(c[2]) * dims_[1] + c[1]) * dims_[0] + c[0]);
   });
 
-  const std::size_t cells = static_cast<std::size_t>(dims_[0]) * dims_[1] * dims_[2];
+  sort_by_cell();
+}
+
+inline void CellGrid::sort_by_cell() {
+  const std::size_t n = cell_of_.size(), cells = static_cast<std::size_t>(dims_[0]) * dims_[1] * dims_[2];
+  const auto next_in = [this](std::uint32_t cell) {
+    return std::atomic_ref(cell_start_[cell]).fetch_add(1, std::memory_order_relaxed);
+  };
   cell_start_.assign(cells + 1, 0);
-  for (const std::uint32_t cell : cell_of_) ++cell_start_[cell + 1];
+  parallel_for(n, [&](std::size_t i) { next_in(cell_of_[i] + 1); });
   std::partial_sum(cell_start_.begin(), cell_start_.end(), cell_start_.begin());
   order_.resize(n);
-  for (std::size_t i = 0; i < n; ++i) order_[cell_start_[cell_of_[i]]++] = static_cast<std::uint32_t>(i);
+  parallel_for(n, [&](std::size_t i) { order_[next_in(cell_of_[i])] = static_cast<std::uint32_t>(i); });
   // Filling moved each start to its cell's end, which is the next cell's start: shift back.
   std::rotate(cell_start_.begin(), cell_start_.end() - 1, cell_start_.end());
   cell_start_[0] = 0;
+  // The threads filled the cells in any order.
+  parallel_for(
+      cells,
+      [&](std::size_t cell) {
+        std::sort(order_.begin() + cell_start_[cell], order_.begin() + cell_start_[cell + 1]);
+      },
+      4096);
 }
 
 template <class Point, class Visit>
@@ -103,6 +128,24 @@ void CellGrid::ranges_near(const Point& x, double radius, const Visit& visit) co
     last[a] = std::min(clamped_cell(static_cast<double>(x[a]) + radius, a), dims_[a] - 1);
     if (first[a] > last[a]) return;
   }
+  visit_runs(first, last, visit);
+}
+
+template <class Visit>
+void CellGrid::ranges_around(std::uint32_t cell, const Visit& visit) const {
+  const std::array<int, 3> at{static_cast<int>(cell % dims_[0]), static_cast<int>(cell / dims_[0] % dims_[1]),
+                              static_cast<int>(cell / dims_[0] / dims_[1])};
+  std::array<int, 3> first, last;
+  for (int a = 0; a < 3; ++a) {
+    first[a] = std::max(at[a] - 1, 0);
+    last[a] = std::min(at[a] + 1, dims_[a] - 1);
+  }
+  visit_runs(first, last, visit);
+}
+
+template <class Visit>
+void CellGrid::visit_runs(const std::array<int, 3>& first, const std::array<int, 3>& last,
+                          const Visit& visit) const {
   for (int cz = first[2]; cz <= last[2]; ++cz)
     for (int cy = first[1]; cy <= last[1]; ++cy) {
       const std::size_t row = (static_cast<std::size_t>(cz) * dims_[1] + cy) * dims_[0];

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "scenes/scene.h"
 #include "scenes/toml_reader.h"
@@ -17,6 +18,7 @@ constexpr double kMaxLength = 1e6;     // [m]
 constexpr double kMaxSpeed = 1e4;      // [m/s]
 constexpr double kMaxDensity = 1e6;    // [kg/m3]
 constexpr double kMaxViscosity = 1e9;  // [m2/s]
+constexpr double kMaxTension = 1e6;    // [N/m]
 constexpr double kMaxTime = 1e6;       // [s]
 constexpr double kMaxFrames = 1e6;
 constexpr int kMaxIterations = 100000;
@@ -75,28 +77,22 @@ std::optional<double> read_viscosity(TomlTable& t, double density) {
   return std::nullopt;
 }
 
-/// The fluids of a scene while its tables are read; number 0 is that of [fluid].
-struct Fluids {
-  FluidOptions& options;
-  std::optional<double> boundary_viscosity;  // of all of them; empty: each its own
+/// The number of the fluid whose viscosity a block or an emitter states; that of [fluid] where it states
+/// none.
+std::uint8_t read_fluid_number(TomlTable& t, FluidOptions& fluid) {
+  const std::optional<double> viscosity = read_viscosity(t, fluid.density);
+  if (!viscosity || *viscosity == fluid.kinematic_viscosity) return 0;
+  std::vector<double>& more = fluid.more_viscosities;
+  const auto known = std::ranges::find(more, *viscosity);
+  const auto number = static_cast<std::size_t>(known - more.begin()) + 1;
+  if (number > kMaxFluidNumber)
+    throw InvalidInput(t.where(), fmt::format("one viscosity too many; allowed: at most {} different ones",
+                                              kMaxFluidNumber + 1));
+  if (known == more.end()) more.push_back(*viscosity);
+  return static_cast<std::uint8_t>(number);
+}
 
-  /// The number of the fluid whose viscosity the table states.
-  std::uint8_t read(TomlTable& t) {
-    const std::optional<double> viscosity = read_viscosity(t, options.density);
-    if (!viscosity || *viscosity == options.kinematic_viscosity) return 0;
-    std::vector<FluidViscosity>& more = options.more_fluids;
-    const auto known = std::ranges::find(more, *viscosity, &FluidViscosity::kinematic);
-    const auto number = static_cast<std::size_t>(known - more.begin()) + 1;
-    if (number > kMaxFluidNumber)
-      throw InvalidInput(
-          t.where(), fmt::format("the scene has more than {} different viscosities; allowed: at most as many",
-                                 kMaxFluidNumber + 1));
-    if (known == more.end()) more.push_back({*viscosity, boundary_viscosity.value_or(*viscosity)});
-    return static_cast<std::uint8_t>(number);
-  }
-};
-
-FluidBlock read_block(TomlTable t, Fluids& fluids) {
+FluidBlock read_block(TomlTable t, FluidOptions& fluid) {
   enum class Kind { box, sphere, mesh };
   static constexpr Named<Kind> kKinds[] = {
       {"box", Kind::box}, {"sphere", Kind::sphere}, {"mesh", Kind::mesh}};
@@ -104,7 +100,7 @@ FluidBlock read_block(TomlTable t, Fluids& fluids) {
   block.where = t.where();
   const Kind kind = t.choice("shape", kKinds, {});
   block.velocity = t.vector("velocity", "m/s", block.velocity);
-  block.fluid = fluids.read(t);
+  block.fluid = read_fluid_number(t, fluid);
   if (kind == Kind::box)
     block.shape = read_box(t);
   else if (kind == Kind::sphere)
@@ -116,7 +112,7 @@ FluidBlock read_block(TomlTable t, Fluids& fluids) {
   return block;
 }
 
-Emitter read_emitter(TomlTable t, Fluids& fluids) {
+Emitter read_emitter(TomlTable t, FluidOptions& fluid) {
   enum class Kind { disc, rectangle };
   static constexpr Named<Kind> kKinds[] = {{"disc", Kind::disc}, {"rectangle", Kind::rectangle}};
   Emitter emitter;
@@ -135,10 +131,10 @@ Emitter read_emitter(TomlTable t, Fluids& fluids) {
   if (t.has("particle_limit"))
     emitter.max_particles =
         static_cast<std::size_t>(t.integer("particle_limit", 1, std::numeric_limits<int>::max()));
-  emitter.fluid = fluids.read(t);
+  emitter.fluid = read_fluid_number(t, fluid);
   t.finish();
   try {
-    check_emitter(emitter, fluids.options.spacing, 1 + fluids.options.more_fluids.size());
+    check_emitter(emitter, fluid.spacing, fluid_count(fluid));
   } catch (const InvalidInput& error) {
     throw InvalidInput(t.where(), error.what());
   }
@@ -180,9 +176,10 @@ void read_fluid(TomlTable t, Scene& scene) {
   fluid.spacing = t.number("spacing", length());
   fluid.density = t.number("density", positive("kg/m3", kMaxDensity), fluid.density);
   const std::optional<double> viscosity = read_viscosity(t, fluid.density);
-  std::optional<double> boundary;
-  if (t.has("boundary_viscosity"))
-    boundary = t.number("boundary_viscosity", non_negative("m2/s", kMaxViscosity));
+  fluid.slip_length = t.number_or("free", "slip_length", non_negative("m", kMaxLength), fluid.slip_length)
+                          .value_or(std::numeric_limits<double>::infinity());
+  fluid.surface_tension =
+      t.number("surface_tension", non_negative("N/m", kMaxTension), fluid.surface_tension);
   fluid.gravity = t.vector("gravity", "m/s2", fluid.gravity);
   std::vector<TomlTable> emitters = t.tables("emitter"), blocks = t.tables("block", emitters.empty());
   t.finish();
@@ -191,14 +188,12 @@ void read_fluid(TomlTable t, Scene& scene) {
                        "missing the viscosity in [fluid]; required: either kinematic_viscosity [m2/s] or "
                        "dynamic_viscosity [Pa s]");
   fluid.kinematic_viscosity = *viscosity;
-  fluid.boundary_viscosity = boundary.value_or(*viscosity);
   if (fluid.gravity.norm() > kMaxSpeed)
     t.refuse("gravity", fmt::format("at most {} m/s2 in length", kMaxSpeed));
-  Fluids fluids{fluid, boundary};
-  for (TomlTable& table : blocks) scene.blocks.push_back(read_block(std::move(table), fluids));
+  for (TomlTable& table : blocks) scene.blocks.push_back(read_block(std::move(table), fluid));
   for (TomlTable& table : emitters) {
     scene.emitters_where.push_back(table.where());
-    fluid.emitters.push_back(read_emitter(std::move(table), fluids));
+    fluid.emitters.push_back(read_emitter(std::move(table), fluid));
   }
   if (blocks.empty() && std::ranges::none_of(fluid.emitters, [](const Emitter& e) { return e.start == 0; }))
     throw InvalidInput(t.where(),

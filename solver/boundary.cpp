@@ -1,9 +1,12 @@
 #include "solver/boundary.h"
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 
 #include "core/parallel.h"
-#include "solver/viscosity.h"
 
 namespace kappaflow {
 namespace {
@@ -23,58 +26,182 @@ float square_lattice_sum(const CubicSpline& kernel, float spacing) {
   return kernel.value(0) + 4 * kernel.value(spacing) + 4 * kernel.value(spacing * std::sqrt(2.0f));
 }
 
+/// The factor c of g = c sum_b V_b (1 - r_ib / support). The weights have nothing to do with those of the
+/// pressure: what matters is the shear stress. Between a wall's surface and liquid at the contact distance d
+/// it is rho nu v / d, and acts on a layer one spacing thick: g = 1 / (spacing d), the finite-volume form. So
+/// c makes it, at that distance from a flat wall, whose integral of 1 - r / support over the plane y below is
+/// 2 pi (support^2/6 - y^2/2 + y^3/(3 support)). Liquid further off than about one spacing is not touched.
+double friction_factor(double spacing, double support) {
+  const double y = (kContactDistance + kWallDepth) * spacing;
+  const double integral =
+      2 * std::numbers::pi * (support * support / 6 - y * y / 2 + y * y * y / (3 * support));
+  const double volume_of_area = static_cast<double>(kVolumeRatio) * spacing;
+  return 1 / (kContactDistance * spacing * spacing * volume_of_area * integral);
+}
+
 }  // namespace
 
-Walls::Walls(std::span<const Vec3> position, float spacing)
-    : kernel_(2 * spacing), samples_(position.size()) {
+/// The sums of one particle over the samples of one body, or of all of them.
+struct Walls::Contact {
+  bool touches = false;
+  float density = 0, friction = 0;
+  Vec4f gradient = Vec4f::Zero();
+  Vec4f normal = Vec4f::Zero();    // times friction
+  Vec4f velocity = Vec4f::Zero();  // times friction; w: see WallSums
+
+  void operator+=(const Contact& other) {
+    touches = touches || other.touches;
+    density += other.density;
+    friction += other.friction;
+    gradient += other.gradient;
+    normal += other.normal;
+    velocity += other.velocity;
+  }
+};
+
+Walls::Walls(std::span<const WallBody> bodies, float spacing) : spacing_(spacing), kernel_(2 * spacing) {
+  friction_scale_ = static_cast<float>(
+      friction_factor(static_cast<double>(spacing), static_cast<double>(kernel_.support())));
+  for (const WallBody& body : bodies) {
+    bodies_.push_back(make_body(body));
+    moving_ = moving_ || !body.motion.at_rest();
+  }
+  move_to(0);
+}
+
+Walls::Body Walls::make_body(const WallBody& wall) const {
+  Body body;
+  body.motion = wall.motion;
+  std::vector<Vec3> points;
+  for (const WallSample& sample : wall.samples) {
+    points.push_back(sample.position);
+    body.reach = std::max(body.reach, (sample.position - wall.motion.point).norm());
+  }
   const float support = kernel_.support();
-  grid_.build(position, support);
-  for (std::size_t b = 0; b < samples_.size(); ++b)
-    samples_[b] << position[grid_.order()[b]].cast<float>(), 0.0f;
-  const float full = kVolumeRatio * square_lattice_sum(kernel_, spacing) * spacing * spacing * spacing;
-  std::vector<float> volume(samples_.size());
-  parallel_for(samples_.size(), [&](std::size_t b) {
+  body.grid.build(std::span<const Vec3>(points), static_cast<double>(support));
+  for (const std::uint32_t b : body.grid.order()) {
+    body.position.push_back(padded(points[b]));
+    body.normal.emplace_back(wall.samples[b].normal.cast<float>());
+  }
+  const float full = kVolumeRatio * square_lattice_sum(kernel_, spacing_) * spacing_ * spacing_ * spacing_;
+  std::vector<float> volume(points.size());
+  parallel_for(points.size(), [&](std::size_t b) {
     float sum = 0;  // Akinci et al. 2012, Eq. 4, scaled so that an even layer gets the liquid's volumes
-    grid_.ranges_near(samples_[b], support, [&](std::uint32_t begin, std::uint32_t end) {
-      for (std::uint32_t k = begin; k < end; ++k)
-        sum += kernel_.value((samples_[b] - samples_[k]).head<3>().norm());
-    });
+    body.grid.ranges_near(body.position[b], static_cast<double>(support),
+                          [&](std::uint32_t begin, std::uint32_t end) {
+                            for (std::uint32_t k = begin; k < end; ++k)
+                              if (!opposite(body.normal[b].cast<double>(), body.normal[k].cast<double>()))
+                                sum += kernel_.value((body.position[b] - body.position[k]).norm());
+                          });
     volume[b] = full / sum;
   });
-  for (std::size_t b = 0; b < samples_.size(); ++b) samples_[b][3] = volume[b];
+  for (std::size_t b = 0; b < points.size(); ++b) body.position[b][3] = volume[b];
+  return body;
 }
 
-void Walls::add_to(std::size_t i, FluidParticles& particles, WallSums& sums) const {
-  const Vec4f x = particles.position[i];
+std::size_t Walls::size() const {
+  std::size_t n = 0;
+  for (const Body& body : bodies_) n += body.position.size();
+  return n;
+}
+
+void Walls::move_to(double time) {
+  for (Body& body : bodies_) {
+    body.pose = body.motion.pose(time);
+    body.velocity = body.motion.velocity(time);
+  }
+}
+
+double Walls::fastest() const {
+  double speed = 0;
+  for (const Body& body : bodies_)
+    speed = std::max(speed, body.velocity.linear.norm() + body.velocity.angular.norm() * body.reach);
+  return speed;
+}
+
+Walls::Contact Walls::contact(const Body& body, const Vec4f& x) const {
+  const bool moving = !body.motion.at_rest();
+  const Vec3 world = x.head<3>().cast<double>();
+  const Vec4f rest = moving ? padded(body.pose.inverse(world)) : x;
   const float support = kernel_.support();
-  Vec4f gradient = Vec4f::Zero();
-  Mat43f friction = Mat43f::Zero();
-  float density = 0;
-  bool touches = false;
-  grid_.ranges_near(x, support, [&](std::uint32_t begin, std::uint32_t end) {
+  Contact sum;
+  body.grid.ranges_near(rest, static_cast<double>(support), [&](std::uint32_t begin, std::uint32_t end) {
     for (std::uint32_t b = begin; b < end; ++b) {
-      Vec4f d = x - samples_[b];
+      Vec4f d = rest - body.position[b];
       d[3] = 0;
       const float r2 = d.squaredNorm();
-      if (r2 >= support * support) continue;
-      const float r = std::sqrt(r2), volume = samples_[b][3], factor = volume * kernel_.gradient_factor(r);
-      touches = true;
-      density += volume * kernel_.value(r);
-      gradient += factor * d;
-      friction += viscosity_weight(r2, factor, support) * d * d.head<3>().transpose();
+      // Samples that face away are the other side of a thin wall.
+      if (r2 >= support * support || d.head<3>().dot(body.normal[b]) < -spacing_) continue;
+      const float r = std::sqrt(r2), volume = body.position[b][3];
+      const float friction = volume * (1 - r / support);
+      sum.touches = true;
+      sum.density += volume * kernel_.value(r);
+      sum.gradient += volume * kernel_.gradient_factor(r) * d;
+      sum.friction += friction;
+      sum.normal.head<3>() += friction * body.normal[b];
     }
   });
-  sums.touches[i] = touches;
-  sums.friction[i] = friction;
-  particles.density[i] += density;
-  particles.gradient_sum[i] += gradient;
+  if (!moving || !sum.touches) return sum;
+  const Eigen::Matrix3f rotation = body.pose.rotation.cast<float>();
+  sum.gradient.head<3>() = rotation * sum.gradient.head<3>();
+  sum.normal.head<3>() = rotation * sum.normal.head<3>();
+  // A rotation's velocity differs between the particle and a sample by a vector across the line that joins
+  // them, along which the kernel's gradient lies: for the density, the particle's place serves as well as the
+  // sample's.
+  const Vec3 n = sum.normal.head<3>().normalized().cast<double>();
+  const Vec3 surface = world - kContactDistance * static_cast<double>(spacing_) * n;
+  sum.velocity = sum.friction * padded(body.velocity.at(surface));
+  sum.velocity[3] = -padded(body.velocity.at(world)).dot(sum.gradient);
+  return sum;
 }
 
-void Walls::add_to(FluidParticles& particles, WallSums& sums) const {
-  const std::size_t n = particles.size();
-  sums.friction.resize(n);
-  sums.touches.resize(n);
-  parallel_for(n, [&](std::size_t i) { add_to(i, particles, sums); });
+void Walls::add_to_chunk(std::size_t chunk, FluidParticles& particles, WallSums& sums) {
+  const std::size_t end = std::min((chunk + 1) * kChunk, particles.size());
+  auto &friction = found_friction_[chunk], &velocity = found_velocity_[chunk];
+  friction.clear();
+  velocity.clear();
+  for (std::size_t i = chunk * kChunk; i < end; ++i) {
+    Contact sum;
+    for (const Body& body : bodies_) sum += contact(body, particles.position[i]);
+    sums.contact[i] = sum.touches ? static_cast<std::uint32_t>(friction.size()) : WallSums::kNone;
+    if (!sum.touches) continue;
+    particles.density[i] += sum.density;
+    particles.gradient_sum[i] += sum.gradient;
+    // Between opposite walls the normals cancel, and there is no direction without friction.
+    const float length = sum.normal.norm();
+    Vec4f f = length > 1e-3f * sum.friction ? Vec4f(sum.normal / length) : Vec4f(Vec4f::Zero());
+    f[3] = friction_scale_ * sum.friction;
+    friction.push_back(f);
+    if (!moving_) continue;
+    const float rate = sum.velocity[3];
+    sum.velocity /= std::max(sum.friction, std::numeric_limits<float>::min());
+    sum.velocity[3] = rate;
+    velocity.push_back(sum.velocity);
+  }
+}
+
+void Walls::add_to(FluidParticles& particles, WallSums& sums) {
+  const std::size_t n = particles.size(), chunks = (n + kChunk - 1) / kChunk;
+  sums.contact.resize(n);
+  found_friction_.resize(chunks);
+  found_velocity_.resize(chunks);
+  parallel_for(
+      chunks, [&](std::size_t chunk) { add_to_chunk(chunk, particles, sums); }, 1);
+
+  first_of_chunk_.assign(1, 0);
+  for (const auto& found : found_friction_) first_of_chunk_.push_back(first_of_chunk_.back() + found.size());
+  sums.friction.resize(first_of_chunk_.back());
+  sums.velocity.resize(moving_ ? first_of_chunk_.back() : 0);
+  parallel_for(
+      chunks,
+      [&](std::size_t chunk) {
+        const auto first = static_cast<std::ptrdiff_t>(first_of_chunk_[chunk]);
+        std::ranges::copy(found_friction_[chunk], sums.friction.begin() + first);
+        std::ranges::copy(found_velocity_[chunk], sums.velocity.begin() + first);
+        for (std::size_t i = chunk * kChunk; i < std::min((chunk + 1) * kChunk, n); ++i)
+          if (sums.touches(i)) sums.contact[i] += static_cast<std::uint32_t>(first);
+      },
+      1);
 }
 
 }  // namespace kappaflow

@@ -25,14 +25,9 @@ std::uint64_t scramble(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-/// A place where a sample may stand: below the point of a face whose normal is known.
-struct Candidate {
-  Vec3 position, normal;
-};
-
 /// Appends points that cover abc, its border included, no further than `step` apart in rows along its longest
 /// edge; moved `depth` against the face's normal.
-void append_rows(Vec3 a, Vec3 b, Vec3 c, double depth, double step, std::vector<Candidate>& candidates) {
+void append_rows(Vec3 a, Vec3 b, Vec3 c, double depth, double step, std::vector<WallSample>& candidates) {
   const Vec3 normal = (b - a).cross(c - a).stableNormalized();
   if (normal.squaredNorm() == 0) return;
   while ((b - a).squaredNorm() < std::max((c - b).squaredNorm(), (a - c).squaredNorm())) {
@@ -52,12 +47,12 @@ void append_rows(Vec3 a, Vec3 b, Vec3 c, double depth, double step, std::vector<
 
 /// The candidates that are `depth` deep in the union: those below a convex edge are less, and would compress
 /// the liquid around it; those that another solid covers are more.
-std::vector<Vec3> at_depth(const std::vector<Candidate>& candidates, std::span<const SolidDistance> solids,
-                           double depth) {
+std::vector<WallSample> at_depth(const std::vector<WallSample>& candidates,
+                                 std::span<const SolidDistance> solids, double depth) {
   std::vector<SurfacePoint> nearest(candidates.size());
   parallel_for(candidates.size(),
                [&](std::size_t i) { nearest[i] = nearest_of_union(solids, candidates[i].position); });
-  std::vector<Vec3> kept;
+  std::vector<WallSample> kept;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const Vec3& x = nearest[i].position;
     if (nearest[i].distance > -0.999 * depth && nearest[i].normal.dot(candidates[i].normal) < -0.9)
@@ -65,13 +60,16 @@ std::vector<Vec3> at_depth(const std::vector<Candidate>& candidates, std::span<c
           fmt::format("wall: thinner than {:.4g} m, {} particle spacings, at ({:.4g}, {:.4g}, {:.4g}); "
                       "make it thicker or lower the spacing",
                       2 * depth, kThinnestWall, x.x(), x.y(), x.z()));
-    if (std::abs(nearest[i].distance + depth) < 1e-3 * depth) kept.push_back(candidates[i].position);
+    if (std::abs(nearest[i].distance + depth) < 1e-3 * depth) kept.push_back(candidates[i]);
   }
   return kept;
 }
 
-/// Greedy maximal subset with no two points nearer than `distance`, visited in pseudo-random order.
-std::vector<Vec3> poisson_disk_subset(const std::vector<Vec3>& points, double distance) {
+/// Greedy maximal subset with no two points under the same side nearer than `distance`, visited in
+/// pseudo-random order.
+std::vector<WallSample> poisson_disk_subset(const std::vector<WallSample>& candidates, double distance) {
+  std::vector<Vec3> points;
+  for (const WallSample& candidate : candidates) points.push_back(candidate.position);
   CellGrid grid;
   grid.build(std::span<const Vec3>(points), distance);
   const auto cell_order = grid.order();
@@ -81,27 +79,28 @@ std::vector<Vec3> poisson_disk_subset(const std::vector<Vec3>& points, double di
   std::vector<char> taken(points.size(), 0);  // by place in cell order
   std::vector<std::uint32_t> place(points.size());
   for (std::size_t k = 0; k < cell_order.size(); ++k) place[cell_order[k]] = static_cast<std::uint32_t>(k);
-  std::vector<Vec3> samples;
+  std::vector<WallSample> samples;
   for (const auto& visit : visits) {
     const std::uint32_t i = visit.second;
     bool free = true;
     grid.ranges_near(points[i], distance, [&](std::uint32_t begin, std::uint32_t end) {
       for (std::uint32_t k = begin; k < end && free; ++k)
-        free = !taken[k] || (points[cell_order[k]] - points[i]).squaredNorm() >= distance * distance;
+        free = !taken[k] || (points[cell_order[k]] - points[i]).squaredNorm() >= distance * distance ||
+               opposite(candidates[cell_order[k]].normal, candidates[i].normal);
     });
     if (!free) continue;
     taken[place[i]] = 1;
-    samples.push_back(points[i]);
+    samples.push_back(candidates[i]);
   }
   return samples;
 }
 
 }  // namespace
 
-std::vector<Vec3> sample_walls(std::span<const TriangleSurface> walls, std::span<const SolidDistance> solids,
-                               double spacing) {
+std::vector<WallSample> sample_walls(std::span<const TriangleSurface> walls,
+                                     std::span<const SolidDistance> solids, double spacing) {
   const double depth = kWallDepth * spacing;
-  std::vector<Candidate> candidates;
+  std::vector<WallSample> candidates;
   for (const TriangleSurface& wall : walls)
     for (const Triangle& t : wall.triangles)
       append_rows(wall.vertices[t[0]], wall.vertices[t[1]], wall.vertices[t[2]], depth,

@@ -14,11 +14,23 @@ inline constexpr double kWallDepth = 0.94;
 /// The thinnest wall that has room for them, in spacings.
 inline constexpr double kThinnestWall = 2 * kWallDepth;
 
+/// A particle of a wall.
+struct WallSample {
+  Vec3 position;  ///< [m]
+  Vec3 normal;    ///< of the face that it lies under, unit, out of the solid
+};
+
+/// Whether they belong to opposite sides of a wall: however thin it is, these know nothing of each other.
+inline bool opposite(const Vec3& normal, const Vec3& other) {
+  return normal.dot(other) < -0.5;
+}
+
 /// Particles kWallDepth below the surface of the union of the solids: liquid then rests about half a spacing
 /// off the wall. A Poisson-disk set (dart throwing in a fixed pseudo-random
-/// order): no two are nearer than 0.6 spacing, and no place of the layer is further than about that from one.
-/// Faces that another solid covers get none. Throws InvalidInput where a wall is thinner than kThinnestWall.
-std::vector<Vec3> sample_walls(std::span<const TriangleSurface> walls, std::span<const SolidDistance> solids,
-                               double spacing);
+/// order): no two under the same side are nearer than 0.6 spacing, and no place of the layer is further than
+/// about that from one. Faces that another solid covers get none. Throws InvalidInput where a wall is thinner
+/// than kThinnestWall.
+std::vector<WallSample> sample_walls(std::span<const TriangleSurface> walls,
+                                     std::span<const SolidDistance> solids, double spacing);
 
 }  // namespace kappaflow

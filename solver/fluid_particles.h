@@ -21,7 +21,7 @@ inline Vec4f padded(const Vec3& v) {
 struct FluidParticles {
   // The state: carried from step to step, permuted when the particles are sorted.
   std::vector<std::uint32_t> id;
-  std::vector<Vec4f> position;             ///< [m]
+  std::vector<Vec4f> position;             ///< [m]; w: kappa of the pressure solve that runs, see pressure.h
   std::vector<Vec4f> velocity;             ///< [m/s]
   std::vector<Vec4f> viscous_change;       ///< of the velocity in the last step [m/s]; starts the next solve
   std::vector<float> density_pressure;     ///< kappa of the constant-density solve [m2/s2], see pressure.h

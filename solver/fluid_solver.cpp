@@ -51,13 +51,35 @@ std::int64_t fastest_id(const FluidParticles& particles) {
   return -fastest.second;
 }
 
+/// One body for each motion.
+std::vector<WallBody> wall_bodies(std::span<const TriangleSurface> walls,
+                                  std::span<const RigidMotion> motions, double spacing) {
+  if (!motions.empty() && motions.size() != walls.size())
+    throw InvalidInput(fmt::format("fluid: {} walls but {} motions", walls.size(), motions.size()));
+  std::vector<WallBody> bodies;
+  std::vector<char> done(walls.size(), 0);
+  for (std::size_t first = 0; first < walls.size(); ++first) {
+    if (done[first]) continue;
+    const RigidMotion motion = motions.empty() ? RigidMotion() : motions[first];
+    std::vector<TriangleSurface> group;
+    for (std::size_t w = first; w < walls.size(); ++w)
+      if (motions.empty() || motions[w] == motion) {
+        group.push_back(walls[w]);
+        done[w] = 1;
+      }
+    const std::vector<SolidDistance> solids(group.begin(), group.end());
+    bodies.push_back({sample_walls(group, solids, spacing), motion});
+  }
+  return bodies;
+}
+
 }  // namespace
 
 struct FluidSolver::State {
-  State(const FluidOptions& o, const Walls& w)
+  State(const FluidOptions& o, Walls w)
       : options(o),
         search(static_cast<float>(o.spacing)),
-        walls(w),
+        walls(std::move(w)),
         viscosity(o),
         pressure(o),
         tension(o),
@@ -85,12 +107,12 @@ struct FluidSolver::State {
 
 FluidSolver::FluidSolver(const FluidOptions& options, std::span<const Vec3> position,
                          std::span<const Vec3> velocity, std::span<const TriangleSurface> walls,
-                         std::span<const std::uint8_t> fluid) {
+                         std::span<const RigidMotion> motions, std::span<const std::uint8_t> fluid) {
   check_options(options);
   const std::vector<SolidDistance> solids(walls.begin(), walls.end());
-  check_start(position, velocity, fluid, 1 + options.more_fluids.size(), solids);
-  const std::vector<Vec3> samples = sample_walls(walls, solids, options.spacing);
-  state_ = std::make_unique<State>(options, Walls(samples, static_cast<float>(options.spacing)));
+  check_start(position, velocity, fluid, fluid_count(options), solids);
+  state_ = std::make_unique<State>(
+      options, Walls(wall_bodies(walls, motions, options.spacing), static_cast<float>(options.spacing)));
   state_->particles = particles_at_start(position, velocity, fluid);
   state_->emitters.emit(state_->particles, 0);
   if (size() == 0) throw InvalidInput("fluid: there are no particles at the start");
@@ -112,12 +134,14 @@ FluidStep FluidSolver::step(double time_left) {
   s.tension.apply(s.particles, s.neighbours, dt);
   s.pressure.apply_last(s.particles, s.neighbours, dt);
   done.viscosity_iterations = s.viscosity.solve(s.particles, s.neighbours, s.wall_sums, dt);
-  done.density_iterations = s.pressure.correct_density(s.particles, s.neighbours, dt).iterations;
+  done.density_iterations = s.pressure.correct_density(s.particles, s.neighbours, s.wall_sums, dt).iterations;
   s.check_finite();
   move(s.particles, dt);
   s.emitters.emit(s.particles, s.time + done.time_step);
+  s.walls.move_to(s.time + done.time_step);
   s.update_neighbourhood();
-  done.divergence_iterations = s.pressure.correct_divergence(s.particles, s.neighbours, dt).iterations;
+  done.divergence_iterations =
+      s.pressure.correct_divergence(s.particles, s.neighbours, s.wall_sums, dt).iterations;
   s.check_finite();
 
   s.time += done.time_step;
@@ -134,8 +158,8 @@ void FluidSolver::State::update_neighbourhood() {
 double FluidSolver::State::time_step(double time_left) const {
   if (!(time_left > 0))
     throw InvalidInput(fmt::format("time left for the step = {} s; must be above 0", time_left));
-  const double needed = cfl_time_step(std::max(fastest, emitters.fastest()), options.gravity.norm(),
-                                      options.cfl * options.spacing);
+  const double fastest_of_all = std::max({fastest, walls.fastest(), emitters.fastest()});
+  const double needed = cfl_time_step(fastest_of_all, options.gravity.norm(), options.cfl * options.spacing);
   if (needed < options.min_time_step)
     throw SolverFailure(
         time, fastest_id(particles),

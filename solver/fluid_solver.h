@@ -7,28 +7,22 @@
 #include <vector>
 
 #include "core/particles.h"
+#include "core/rigid_motion.h"
 #include "core/types.h"
 #include "solver/emitter.h"
 
 namespace kappaflow {
-
-/// The viscosities of one fluid.
-struct FluidViscosity {
-  double kinematic = 1;  ///< [m2/s]
-  double boundary = 1;   ///< kinematic viscosity between it and walls [m2/s]
-};
 
 /// Options of the solver; SI units.
 struct FluidOptions {
   double spacing = 0;     ///< rest distance of neighbouring particles [m]; the kernel's support is twice it
   double density = 1000;  ///< rest density [kg/m3]
   double kinematic_viscosity = 1;  ///< [m2/s]
-  double boundary_viscosity =
-      1;  ///< kinematic viscosity between liquid and walls [m2/s]: no-slip friction; 0: free slip
-  /// Fluids 1, 2, ... where there are several; those above are fluid 0's. All have the same rest density.
-  /// Between fluids of viscosities a and b the viscosity is their harmonic mean, 2 a b / (a + b): the shear
-  /// stress across the interface is then continuous.
-  std::vector<FluidViscosity> more_fluids;
+  double slip_length = 0;          ///< of the walls (Navier): 0: no slip, infinite: free slip [m]
+  /// [m2/s] of fluids 1, 2, ... where there are several; the one above is that of fluid 0. All have the same
+  /// rest density. Between fluids of viscosities a and b the viscosity is their harmonic mean, 2 a b / (a +
+  /// b): the shear stress is then the same on both sides of their interface.
+  std::vector<double> more_viscosities;
   std::vector<Emitter> emitters;
   double surface_tension = 0;  ///< of all fluids against the air [N/m]; see surface_tension.h
   Vec3 gravity{0, -9.81, 0};   ///< [m/s2]
@@ -43,6 +37,11 @@ struct FluidOptions {
   double viscosity_tolerance = 1e-3;  ///< relative residual at which the viscosity solver stops [1]
   int max_viscosity_iterations = 100;
 };
+
+/// How many fluids the options describe.
+inline std::size_t fluid_count(const FluidOptions& options) {
+  return 1 + options.more_viscosities.size();
+}
 
 /// What one time step did.
 struct FluidStep {
@@ -59,11 +58,14 @@ struct FluidStep {
 class FluidSolver {
  public:
   /// position, velocity: one entry a particle; ids are 0, 1, ... in this order, and go on in the order in
-  /// which emitters make particles. walls: closed, oriented outward from the solid. fluid: which of the
-  /// fluids each particle is of; empty: all of fluid 0. Throws InvalidInput for options out of range,
-  /// particles inside a wall, or when there is no particle at t = 0.
+  /// which emitters make particles. walls: closed, oriented outward from the solid, where they are at t = 0.
+  /// motions: of the walls, one each; empty: all at rest. Walls with different motions are solids of their
+  /// own: where they meet liquid they should not overlap. fluid: which of the fluids each particle is of;
+  /// empty: all of fluid 0. Throws InvalidInput for options out of range, particles inside a wall, or when
+  /// there is no particle at t = 0.
   FluidSolver(const FluidOptions& options, std::span<const Vec3> position, std::span<const Vec3> velocity,
-              std::span<const TriangleSurface> walls, std::span<const std::uint8_t> fluid = {});
+              std::span<const TriangleSurface> walls, std::span<const RigidMotion> motions = {},
+              std::span<const std::uint8_t> fluid = {});
   ~FluidSolver();
   FluidSolver(FluidSolver&&) noexcept;
   FluidSolver& operator=(FluidSolver&&) noexcept;

@@ -1,40 +1,48 @@
 #include "solver/neighbours.h"
 
-#include <array>
-#include <cmath>
+#include <atomic>
+#include <limits>
 
 #include "core/parallel.h"
-#include "solver/viscosity.h"
 
 namespace kappaflow {
-namespace {
 
-constexpr std::size_t kBatch = 64;  // pairs that a vectorised loop works on at a time
+NeighbourSearch::NeighbourSearch(float spacing)
+    : kernel_(2 * spacing),
+      volume_(spacing * spacing * spacing),
+      unit_(volume_ * kernel_.largest_gradient_factor() / 65535) {}
 
-/// Writes to `out` the points of [begin, end) within sqrt(square) of the point `i`, without `i`; returns the
-/// end of what it wrote. `out` has room for all of them.
-std::uint32_t* write_near(const float* x, const float* y, const float* z, std::size_t i, std::size_t begin,
-                          std::size_t end, float square, std::uint32_t* out) {
-  const float xi = x[i], yi = y[i], zi = z[i];
-  std::array<float, kBatch> distance;
-  for (std::size_t first = begin; first < end; first += kBatch) {
-    const std::size_t count = std::min(kBatch, end - first);
-    const float *px = x + first, *py = y + first, *pz = z + first;
-#pragma omp simd
-    for (std::size_t k = 0; k < count; ++k) {
-      const float dx = px[k] - xi, dy = py[k] - yi, dz = pz[k] - zi;
-      distance[k] = dx * dx + dy * dy + dz * dz;
-    }
-    if (i - first < count) distance[i - first] = square;  // i itself is no neighbour
-    for (std::size_t k = 0; k < count; ++k) {
-      *out = static_cast<std::uint32_t>(first + k);
-      out += distance[k] < square;
-    }
-  }
-  return out;
+/// Lists the particles in and around a cell.
+void NeighbourSearch::Scratch::collect(const CellGrid& grid, std::uint32_t cell,
+                                       std::span<const Vec4f> position) {
+  x.clear(), y.clear(), z.clear(), candidate.clear();
+  const auto add = [&](const Vec4f& p, std::uint32_t k) {
+    x.push_back(p[0]), y.push_back(p[1]), z.push_back(p[2]), candidate.push_back(k);
+  };
+  grid.ranges_around(cell, [&](std::uint32_t begin, std::uint32_t end) {
+    for (std::uint32_t k = begin; k < end; ++k) add(position[k], k);
+  });
+  while (candidate.size() % kWide != 0) add(Vec4f::Constant(std::numeric_limits<float>::infinity()), 0);
 }
 
-}  // namespace
+/// Finds particle i's neighbours among them.
+void NeighbourSearch::Scratch::append_row(std::uint32_t i, const Vec4f& xi, float support) {
+  if (found.size() < pairs + candidate.size() + kWide) {
+    found.resize(2 * (pairs + candidate.size() + kWide));
+    square.resize(found.size());
+  }
+  std::size_t end = pairs;
+  using Loaded = Eigen::Map<const Wide>;
+  for (std::size_t k = 0; k < candidate.size(); k += kWide) {
+    const Wide dx = Loaded(&x[k]) - xi[0], dy = Loaded(&y[k]) - xi[1], dz = Loaded(&z[k]) - xi[2];
+    const Wide r2 = dx * dx + dy * dy + dz * dz;
+    end += static_cast<std::size_t>(
+        pack_below(r2, &candidate[k], support * support, i, &square[end], &found[end]));
+  }
+  rows.push_back({static_cast<std::uint32_t>(pairs / kWide), static_cast<std::uint32_t>(end - pairs)});
+  for (; end % kWide != 0; ++end) found[end] = i, square[end] = support * support;
+  pairs = end;
+}
 
 template <class T>
 void NeighbourSearch::permute(std::vector<T>& array, std::vector<T>& buffer) const {
@@ -55,93 +63,74 @@ void NeighbourSearch::sort(FluidParticles& particles) {
   for (auto* array : {&particles.fluid, &particles.led_by}) permute(*array, byte_buffer_);
 }
 
-std::size_t NeighbourSearch::find_in_chunk(std::size_t chunk, std::span<const Vec4f> position,
-                                           NeighbourLists& lists) {
-  const std::size_t end = std::min((chunk + 1) * kChunk, position.size());
-  const float support = kernel_.support();
-  auto& found = found_[chunk];
-  std::size_t count = 0;
-  for (std::size_t i = chunk * kChunk; i < end; ++i) {
-    lists.begin[i] = count;  // within the chunk, for now
-    grid_.ranges_near(position[i], support, [&](std::uint32_t first, std::uint32_t last) {
-      if (found.size() < count + (last - first)) found.resize(2 * (count + (last - first)));
-      const std::uint32_t* written = write_near(x_.data(), y_.data(), z_.data(), i, first, last,
-                                                support * support, found.data() + count);
-      count = static_cast<std::size_t>(written - found.data());
-    });
+void NeighbourSearch::find_in_chunk(std::size_t chunk, const FluidParticles& particles,
+                                    Scratch& scratch) const {
+  const std::size_t begin = chunk * kChunk, end = std::min(begin + kChunk, particles.size());
+  scratch.rows.clear();
+  scratch.pairs = 0;
+  for (std::size_t i = begin; i < end; ++i) {
+    if (i == begin || grid_.cell_at(i) != grid_.cell_at(i - 1))
+      scratch.collect(grid_, grid_.cell_at(i), particles.position);
+    scratch.append_row(static_cast<std::uint32_t>(i), particles.position[i], kernel_.support());
   }
-  return count;
 }
 
-void NeighbourSearch::evaluate(std::size_t i, FluidParticles& particles, NeighbourLists& lists) const {
+void NeighbourSearch::evaluate(std::size_t i, FluidParticles& particles, std::span<const float> square,
+                               std::span<const std::uint32_t> found, std::span<PairBlock> blocks) const {
   const Vec4f xi = particles.position[i];
-  const float support = kernel_.support();
-  float density = kernel_.value(0), square_sum = 0;
-  Vec4f sum = Vec4f::Zero();
-  std::array<float, kBatch> r2, factor, value, viscosity;
-  for (std::size_t first = lists.begin[i]; first < lists.begin[i + 1]; first += kBatch) {
-    const std::size_t count = std::min(kBatch, lists.begin[i + 1] - first);
-    const std::uint32_t* index = lists.index.data() + first;
-    Vec4f* gradient = lists.gradient.data() + first;
-    for (std::size_t k = 0; k < count; ++k) {
-      gradient[k] = xi - particles.position[index[k]];
-      r2[k] = gradient[k].squaredNorm();
-    }
-#pragma omp simd reduction(+ : density, square_sum)
-    for (std::size_t k = 0; k < count; ++k) {
-      const float r = std::sqrt(r2[k]);
-      factor[k] = volume_ * kernel_.gradient_factor(r);
-      value[k] = kernel_.value(r);
-      viscosity[k] = viscosity_coefficient(r2[k], factor[k], support);
-      density += value[k];
-      square_sum += factor[k] * factor[k] * r2[k];
-    }
-    for (std::size_t k = 0; k < count; ++k) {
-      gradient[k] *= factor[k];
-      sum += gradient[k];
-      gradient[k][3] = viscosity[k];
-    }
+  Wide density = Wide::Zero(), square_sum = Wide::Zero();
+  Wide sum_x = Wide::Zero(), sum_y = Wide::Zero(), sum_z = Wide::Zero();
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    const Wide r2 = Eigen::Map<const Wide>(&square[kWide * b]);
+    const Wide r = r2.sqrt();
+    density += kernel_.value(r);
+    PairBlock& block = blocks[b];
+    std::copy_n(&found[kWide * b], kWide, block.index.begin());
+    narrow(kernel_.gradient_factor(r) * (volume_ / -unit_) + 0.5f, block.factor.data());
+    const Wide factor = -unit_ * widen(block.factor.data());
+    const WideVec xj = gather(particles.position.data(), block.index.data());
+    square_sum += factor * factor * r2;
+    sum_x += factor * (xi[0] - xj.x);
+    sum_y += factor * (xi[1] - xj.y);
+    sum_z += factor * (xi[2] - xj.z);
   }
-  particles.density[i] = volume_ * density;
-  particles.gradient_sum[i] = sum;
-  particles.gradient_square_sum[i] = square_sum;
+  particles.density[i] = volume_ * (kernel_.value(0) + density.sum());
+  particles.gradient_sum[i] = {sum_x.sum(), sum_y.sum(), sum_z.sum(), 0};
+  particles.gradient_square_sum[i] = square_sum.sum();
 }
 
 void NeighbourSearch::find(FluidParticles& particles, NeighbourLists& lists) {
-  const std::size_t n = particles.size(), chunks = (n + kChunk - 1) / kChunk;
-  for (auto* axis : {&x_, &y_, &z_}) axis->resize(n);
+  const std::size_t n = particles.size();
   for (auto* array : {&particles.density, &particles.gradient_square_sum}) array->resize(n);
   particles.gradient_sum.resize(n);
-  lists.begin.resize(n + 1);
-  found_.resize(std::max(chunks, found_.size()));
-  found_count_.resize(chunks);
-  for (std::size_t i = 0; i < n; ++i) {
-    x_[i] = particles.position[i][0];
-    y_[i] = particles.position[i][1];
-    z_[i] = particles.position[i][2];
-  }
-  parallel_for(
-      chunks,
-      [&](std::size_t chunk) { found_count_[chunk] = find_in_chunk(chunk, particles.position, lists); }, 1);
+  lists.rows.resize(n);
+  lists.unit = unit_;
+  // Each chunk takes its room in the lists as it comes: where a row lies depends on the threads, what stands
+  // in it does not.
+  std::size_t needed = 0;
+  while ((needed = fill(particles, lists)) > lists.blocks.size())
+    lists.blocks.resize(needed + needed / kHeadroom);
+}
 
-  std::size_t pairs = 0;
-  for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
-    const std::size_t end = std::min((chunk + 1) * kChunk, n);
-    for (std::size_t i = chunk * kChunk; i < end; ++i) lists.begin[i] += pairs;
-    pairs += found_count_[chunk];
-  }
-  lists.begin[n] = pairs;
-  lists.index.resize(pairs);
-  lists.gradient.resize(pairs);
-  parallel_for(
-      chunks,
-      [&](std::size_t chunk) {
-        std::copy_n(found_[chunk].begin(), found_count_[chunk],
-                    lists.index.begin() + static_cast<std::ptrdiff_t>(lists.begin[chunk * kChunk]));
-        const std::size_t end = std::min((chunk + 1) * kChunk, n);
-        for (std::size_t i = chunk * kChunk; i < end; ++i) evaluate(i, particles, lists);
-      },
-      1);
+std::size_t NeighbourSearch::fill(FluidParticles& particles, NeighbourLists& lists) {
+  std::atomic<std::size_t> needed = 0;
+  parallel_for((particles.size() + kChunk - 1) / kChunk,
+               [&](std::size_t chunk) {
+                 Scratch& scratch = scratch_.local();
+                 find_in_chunk(chunk, particles, scratch);
+                 const std::size_t count = scratch.pairs / kWide, first = needed.fetch_add(count);
+                 if (first + count > lists.blocks.size()) return;
+                 for (std::size_t k = 0; k < scratch.rows.size(); ++k) {
+                   const auto [begin, pairs] = scratch.rows[k];
+                   const std::size_t i = chunk * kChunk + k, in_row = (pairs + kWide - 1) / kWide;
+                   lists.rows[i] = {static_cast<std::uint32_t>(first) + begin, pairs};
+                   evaluate(i, particles, std::span(scratch.square).subspan(kWide * begin),
+                            std::span(scratch.found).subspan(kWide * begin),
+                            std::span(lists.blocks).subspan(first + begin, in_row));
+                 }
+               },
+               1);
+  return needed;
 }
 
 }  // namespace kappaflow

@@ -1,29 +1,50 @@
-// Who is near whom: sorting of the particles and the flat lists of neighbours with what every pair needs.
+// Who is near whom: sorting of the particles and the compressed lists of neighbours.
 #pragma once
 
+#include <tbb/enumerable_thread_specific.h>
+
+#include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/cell_grid.h"
+#include "core/wide.h"
 #include "solver/fluid_particles.h"
 #include "solver/kernel.h"
 
 namespace kappaflow {
 
-/// Neighbours of each liquid particle within the kernel's support, itself left out, in compressed rows: the
-/// pairs of particle i are [begin[i], begin[i+1]). Both directions of a pair are stored, so every loop is a
-/// gather.
+/// Eight neighbours j of a particle i, with the kernel's gradient V grad W(x_i - x_j) = V F (x_i - x_j) as
+/// the rounded V F: at most 6 bytes a pair, and the loops over pairs are bound by memory. A pair's two
+/// directions hold the same bits, so pair forces stay antisymmetric.
+struct PairBlock {
+  std::array<std::uint32_t, kWide> index;   ///< j; i itself where the row has ended
+  std::array<std::uint16_t, kWide> factor;  ///< -V F / NeighbourLists::unit, rounded; 0 where it has ended
+};
+
+/// Neighbours of each liquid particle within the kernel's support, itself left out. Both directions of a pair
+/// are stored, so every loop is a gather.
 struct NeighbourLists {
-  std::vector<std::size_t> begin;    ///< particles + 1 entries
-  std::vector<std::uint32_t> index;  ///< j
-  std::vector<Vec4f>
-      gradient;  ///< V grad W(x_i - x_j) [1/m]; w: the pair's viscosity coefficient, see viscosity.h
+  struct Row {
+    std::uint32_t begin = 0;  ///< first block
+    std::uint32_t count = 0;  ///< neighbours
+  };
+  std::vector<Row> rows;          ///< one a particle
+  std::vector<PairBlock> blocks;  ///< the rows, each padded to whole blocks
+  float unit = 1;                 ///< of PairBlock::factor [1/m2]
+
+  std::span<const PairBlock> of(std::size_t i) const {
+    return {blocks.data() + rows[i].begin, (rows[i].count + kWide - 1) / kWide};
+  }
+  /// V F <= 0 of the eight pairs [1/m2]
+  Wide factor(const PairBlock& block) const { return -unit * widen(block.factor.data()); }
 };
 
 /// Sorts particles and finds their neighbours; keeps its buffers, so that a step allocates nothing once warm.
 class NeighbourSearch {
  public:
-  explicit NeighbourSearch(float spacing) : kernel_(2 * spacing), volume_(spacing * spacing * spacing) {}
+  explicit NeighbourSearch(float spacing);
 
   /// Brings the state arrays of `particles` into cell order.
   void sort(FluidParticles& particles);
@@ -34,19 +55,33 @@ class NeighbourSearch {
   void find(FluidParticles& particles, NeighbourLists& lists);
 
  private:
-  static constexpr std::size_t kChunk = 128;  // particles whose neighbours one task finds
+  static constexpr std::size_t kChunk = 128;    // particles whose neighbours one task finds
+  static constexpr std::size_t kHeadroom = 16;  // the lists grow by this fraction more than needed
 
-  std::size_t find_in_chunk(std::size_t chunk, std::span<const Vec4f> position, NeighbourLists& lists);
-  void evaluate(std::size_t i, FluidParticles& particles, NeighbourLists& lists) const;
+  /// What a thread needs to find the neighbours of a chunk of particles.
+  struct Scratch {
+    std::vector<float> x, y, z;            // the particles in and around a cell, padded to whole blocks
+    std::vector<std::uint32_t> candidate;  // which they are
+    std::vector<float> square;             // squared distances of the pairs, rows padded to whole blocks
+    std::vector<std::uint32_t> found;      // their j
+    std::size_t pairs = 0;                 // in both, padding included
+    std::vector<NeighbourLists::Row> rows;
+
+    void collect(const CellGrid& grid, std::uint32_t cell, std::span<const Vec4f> position);
+    void append_row(std::uint32_t i, const Vec4f& xi, float support);
+  };
+
+  std::size_t fill(FluidParticles& particles, NeighbourLists& lists);
+  void find_in_chunk(std::size_t chunk, const FluidParticles& particles, Scratch& scratch) const;
+  void evaluate(std::size_t i, FluidParticles& particles, std::span<const float> square,
+                std::span<const std::uint32_t> found, std::span<PairBlock> blocks) const;
   template <class T>
   void permute(std::vector<T>& array, std::vector<T>& buffer) const;
 
   CubicSpline kernel_;
-  float volume_;
+  float volume_, unit_;  // unit_: NeighbourLists::unit
   CellGrid grid_;
-  std::vector<std::vector<std::uint32_t>> found_;  // by chunk, with room to spare
-  std::vector<std::size_t> found_count_;           // by chunk
-  std::vector<float> x_, y_, z_;  // positions in cell order, for the vectorised distance test
+  tbb::enumerable_thread_specific<Scratch> scratch_;
   std::vector<Vec4f> vector_buffer_;
   std::vector<float> scalar_buffer_;
   std::vector<std::uint32_t> id_buffer_;

@@ -32,69 +32,79 @@ struct PressureSolver::Progress {
 
 float density_rate(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists,
                    const std::vector<Vec4f>& u) {
-  Vec4f rate = u[i].cwiseProduct(particles.gradient_sum[i]);
-  for (std::size_t pair = lists.begin[i]; pair < lists.begin[i + 1]; ++pair)
-    rate -= u[lists.index[pair]].cwiseProduct(lists.gradient[pair]);
-  return rate.head<3>().sum();
+  const Vec4f xi = particles.position[i];
+  Wide sum = Wide::Zero();
+  for (const PairBlock& block : lists.of(i)) {
+    const WideVec xj = gather(particles.position.data(), block.index.data());
+    const WideVec uj = gather(u.data(), block.index.data());
+    sum += lists.factor(block) * ((xi[0] - xj.x) * uj.x + (xi[1] - xj.y) * uj.y + (xi[2] - xj.z) * uj.z);
+  }
+  return u[i].cwiseProduct(particles.gradient_sum[i]).head<3>().sum() - sum.sum();
 }
 
-Vec4f pressure_acceleration(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists,
-                            const std::vector<float>& kappa) {
+Vec4f pressure_acceleration(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists) {
   if (particles.led_by[i] != 0) return Vec4f::Zero();
-  Vec4f sum = kappa[i] * particles.gradient_sum[i];
-  for (std::size_t pair = lists.begin[i]; pair < lists.begin[i + 1]; ++pair)
-    sum += kappa[lists.index[pair]] * lists.gradient[pair];
-  sum[3] = 0;
-  return -sum;
+  const Vec4f xi = particles.position[i];
+  Wide sum_x = Wide::Zero(), sum_y = Wide::Zero(), sum_z = Wide::Zero();
+  for (const PairBlock& block : lists.of(i)) {
+    const WideVec xj = gather(particles.position.data(), block.index.data());
+    const Wide scale = lists.factor(block) * xj.w;
+    sum_x += scale * (xi[0] - xj.x);
+    sum_y += scale * (xi[1] - xj.y);
+    sum_z += scale * (xi[2] - xj.z);
+  }
+  return -(xi[3] * particles.gradient_sum[i] + Vec4f(sum_x.sum(), sum_y.sum(), sum_z.sum(), 0));
 }
 
 void PressureSolver::apply_last(FluidParticles& particles, const NeighbourLists& lists, float time_step) {
-  acceleration_.resize(particles.size());
-  parallel_for(particles.size(), [&](std::size_t i) {
-    acceleration_[i] = pressure_acceleration(i, particles, lists, particles.density_pressure);
+  const std::size_t n = particles.size();
+  acceleration_.resize(n);
+  parallel_for(n, [&](std::size_t i) { particles.position[i][3] = particles.density_pressure[i]; });
+  parallel_for(n, [&](std::size_t i) {
+    acceleration_[i] = pressure_acceleration(i, particles, lists);
     particles.velocity[i] += time_step * acceleration_[i];
   });
 }
 
 PressureSolve PressureSolver::correct_density(FluidParticles& particles, const NeighbourLists& lists,
-                                              float time_step) {
+                                              const WallSums& walls, float time_step) {
   const std::size_t n = particles.size();
   source_.resize(n);
   parallel_for(n, [&](std::size_t i) { particles.velocity[i] -= time_step * acceleration_[i]; });
   parallel_for(n, [&](std::size_t i) {
-    source_[i] = particles.density[i] - 1 + time_step * density_rate(i, particles, lists, particles.velocity);
+    const float rate = density_rate(i, particles, lists, particles.velocity) + walls.density_rate(i);
+    source_[i] = particles.density[i] - 1 + time_step * rate;
   });
   return solve(particles, lists, time_step, density_tolerance_, particles.density_pressure);
 }
 
 PressureSolve PressureSolver::correct_divergence(FluidParticles& particles, const NeighbourLists& lists,
-                                                 float time_step) {
+                                                 const WallSums& walls, float time_step) {
   source_.resize(particles.size());
   parallel_for(particles.size(), [&](std::size_t i) {
-    source_[i] = std::min(particles.density[i] - 1, 0.0f) +
-                 time_step * density_rate(i, particles, lists, particles.velocity);
+    const float rate = density_rate(i, particles, lists, particles.velocity) + walls.density_rate(i);
+    source_[i] = std::min(particles.density[i] - 1, 0.0f) + time_step * rate;
   });
   return solve(particles, lists, time_step, divergence_tolerance_, particles.divergence_pressure);
 }
 
 PressureSolver::Progress PressureSolver::iterate(const FluidParticles& particles, const NeighbourLists& lists,
-                                                 float square_step, float relaxation,
-                                                 const std::vector<float>& kappa) {
+                                                 float square_step, float relaxation) {
   const std::size_t n = particles.size();
-  parallel_for(n,
-               [&](std::size_t i) { acceleration_[i] = pressure_acceleration(i, particles, lists, kappa); });
+  parallel_for(n, [&](std::size_t i) { acceleration_[i] = pressure_acceleration(i, particles, lists); });
   return parallel_sum(n, Progress(), [&](std::size_t i) {
     const float diagonal =
         square_step * (particles.gradient_sum[i].squaredNorm() + particles.gradient_square_sum[i]);
+    const float kappa = particles.position[i][3];
     const float violation = source_[i] + square_step * density_rate(i, particles, lists, acceleration_);
     const float jacobi = violation / std::max(diagonal, square_step * kLeastDiagonal);
     proposed_[i] =
-        diagonal > square_step * kLeastDiagonal ? std::max(0.0f, kappa[i] + relaxation * jacobi) : 0.0f;
-    const float move = kappa[i] - last_kappa_[i];
-    const Progress progress{std::abs(std::max(-kappa[i] * diagonal, violation)),
-                            (kappa[i] - proposed_[i]) * diagonal * (proposed_[i] - accepted_[i]),
+        diagonal > square_step * kLeastDiagonal ? std::max(0.0f, kappa + relaxation * jacobi) : 0.0f;
+    const float move = kappa - last_kappa_[i];
+    const Progress progress{std::abs(std::max(-kappa * diagonal, violation)),
+                            (kappa - proposed_[i]) * diagonal * (proposed_[i] - accepted_[i]),
                             move * diagonal * move, move * (last_violation_[i] - violation), violation};
-    last_kappa_[i] = kappa[i];
+    last_kappa_[i] = kappa;
     last_violation_[i] = violation;
     return progress;
   });
@@ -107,13 +117,17 @@ PressureSolve PressureSolver::solve(FluidParticles& particles, const NeighbourLi
   proposed_.resize(n);
   last_violation_.resize(n);
   accepted_ = last_kappa_ = kappa;
+  parallel_for(n, [&](std::size_t i) { particles.position[i][3] = kappa[i]; });
   float momentum = 1, curvature = kFirstCurvature;
   for (int iterations = 0;; ++iterations) {
-    const Progress progress = iterate(particles, lists, time_step * time_step, 1 / curvature, kappa);
+    const Progress progress = iterate(particles, lists, time_step * time_step, 1 / curvature);
     const double mean_error = progress.error / static_cast<double>(n);
     const bool converged = mean_error <= tolerance && progress.max_error <= kMaxCompression;
     if ((converged && iterations >= kMinIterations) || iterations == max_iterations_) {
-      parallel_for(n, [&](std::size_t i) { particles.velocity[i] += time_step * acceleration_[i]; });
+      parallel_for(n, [&](std::size_t i) {
+        particles.velocity[i] += time_step * acceleration_[i];
+        kappa[i] = particles.position[i][3];
+      });
       return {iterations, mean_error, progress.max_error};
     }
     const bool too_long = progress.curved > curvature * progress.moved;
@@ -123,7 +137,7 @@ PressureSolve PressureSolver::solve(FluidParticles& particles, const NeighbourLi
     const float extrapolation = (momentum - 1) / next_momentum;
     momentum = next_momentum;
     parallel_for(n, [&](std::size_t i) {
-      kappa[i] = std::max(0.0f, proposed_[i] + extrapolation * (proposed_[i] - accepted_[i]));
+      particles.position[i][3] = std::max(0.0f, proposed_[i] + extrapolation * (proposed_[i] - accepted_[i]));
       accepted_[i] = proposed_[i];
     });
   }

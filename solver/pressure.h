@@ -48,11 +48,13 @@ class PressureSolver {
   /// Constant-density solve: rho/rho0 - 1 + dt D(v + dt a) <= 0, where v are the velocities without the
   /// pressure that apply_last() added. Replaces particles.velocity and density_pressure, which starts the
   /// iteration. time_step [s].
-  PressureSolve correct_density(FluidParticles& particles, const NeighbourLists& lists, float time_step);
+  PressureSolve correct_density(FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,
+                                float time_step);
 
   /// Divergence-free solve: dt D(v + dt a) <= max(0, 1 - rho/rho0), so loose particles at a surface may come
   /// together until they are liquid. Likewise with divergence_pressure.
-  PressureSolve correct_divergence(FluidParticles& particles, const NeighbourLists& lists, float time_step);
+  PressureSolve correct_divergence(FluidParticles& particles, const NeighbourLists& lists,
+                                   const WallSums& walls, float time_step);
 
  private:
   struct Progress;
@@ -60,7 +62,7 @@ class PressureSolver {
   PressureSolve solve(FluidParticles& particles, const NeighbourLists& lists, float time_step,
                       double tolerance, std::vector<float>& kappa);
   Progress iterate(const FluidParticles& particles, const NeighbourLists& lists, float square_step,
-                   float relaxation, const std::vector<float>& kappa);
+                   float relaxation);
 
   double density_tolerance_, divergence_tolerance_;
   int max_iterations_;
@@ -70,14 +72,13 @@ class PressureSolver {
   std::vector<float> last_kappa_, last_violation_;  // of the last iteration
 };
 
-/// D u: rate of change of the relative density that velocities u cause [1/s],
+/// D u: rate of change of the relative density that velocities u cause between walls at rest [1/s],
 /// sum_j V (u_i - u_j) . grad W_ij + u_i . sum_b V_b grad W_ib.
 float density_rate(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists,
                    const std::vector<Vec4f>& u);
 
-/// -D^T kappa: the accelerations a_i above [m/s2]. Zero for a particle that an emitter leads, as if its mass
-/// were infinite; the system stays symmetric.
-Vec4f pressure_acceleration(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists,
-                            const std::vector<float>& kappa);
+/// -D^T kappa: the accelerations a_i above [m/s2], with kappa_i in position[i].w. Zero for a particle that an
+/// emitter leads, as if its mass were infinite; the system stays symmetric.
+Vec4f pressure_acceleration(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists);
 
 }  // namespace kappaflow

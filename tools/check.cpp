@@ -30,7 +30,7 @@ struct ShapeText {
 /// Of a fluid that is not the scene's first.
 std::string viscosity_text(std::uint8_t number, const FluidOptions& fluid) {
   if (number == 0) return "";
-  return fmt::format(", kinematic viscosity {:.4g} m2/s", fluid.more_fluids[number - 1].kinematic);
+  return fmt::format(", kinematic viscosity {:.4g} m2/s", fluid.more_viscosities[number - 1]);
 }
 
 std::string emitter_line(const Emitter& emitter, const FluidOptions& fluid) {

@@ -195,8 +195,10 @@ CLI::App* add_render(CLI::App& app, CommandLine& line) {
 std::string experiment_lines() {
   std::string text = "Experiments:\n";
   for (const Experiment& experiment : experiments())
-    text += fmt::format("  {:<16} {}\n", experiment.name, experiment.summary);
-  return text + fmt::format("  {:<16} {}\n", "all", "all of them, without --quick all but enright-exact");
+    text += fmt::format("  {:<24} {}\n", experiment.name, experiment.summary);
+  return text + fmt::format("  {:<24} {}\n  {:<24} {}\n", "all",
+                            "those that are no validation, without --quick all but enright-exact", "validate",
+                            "all validations of the solver: names that begin with \"validate-\"");
 }
 
 CLI::App* add_experiment(CLI::App& app, CommandLine& line) {

@@ -10,8 +10,10 @@ namespace kappaflow::test {
 /// Particles, neighbours and walls as FluidSolver prepares them for a step. Particles are in cell order.
 struct Liquid {
   Liquid(const std::vector<Vec3>& position, const std::vector<Vec3>& velocity, float spacing,
-         const std::vector<Vec3>& wall_samples = {})
-      : particles(particles_at_start(position, velocity)), search(spacing), walls(wall_samples, spacing) {
+         const std::vector<WallSample>& wall_samples = {}, const RigidMotion& motion = {})
+      : particles(particles_at_start(position, velocity)),
+        search(spacing),
+        walls(std::vector{WallBody{wall_samples, motion}}, spacing) {
     update();
   }
 

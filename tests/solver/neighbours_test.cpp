@@ -27,17 +27,32 @@ std::vector<Vec3> random_points(std::size_t n, double extent, unsigned seed) {
   return points;
 }
 
+/// Pairs of particle i, without the padding.
+std::vector<std::pair<std::uint32_t, std::uint16_t>> pairs_of(const Liquid& liquid, std::size_t i) {
+  std::vector<std::pair<std::uint32_t, std::uint16_t>> pairs;
+  for (const PairBlock& block : liquid.lists.of(i))
+    for (std::size_t k = 0; k < kWide; ++k) {
+      if (pairs.size() == liquid.lists.rows[i].count) {
+        EXPECT_EQ(block.index[k], i) << "padding";
+        EXPECT_EQ(block.factor[k], 0) << "padding";
+      } else {
+        pairs.emplace_back(block.index[k], block.factor[k]);
+      }
+    }
+  return pairs;
+}
+
 std::set<std::uint32_t> neighbours_of(const Liquid& liquid, std::size_t i) {
-  const auto first = liquid.lists.index.begin();
-  return {first + static_cast<std::ptrdiff_t>(liquid.lists.begin[i]),
-          first + static_cast<std::ptrdiff_t>(liquid.lists.begin[i + 1])};
+  std::set<std::uint32_t> neighbours;
+  for (const auto& [j, factor] : pairs_of(liquid, i)) neighbours.insert(j);
+  return neighbours;
 }
 
 void expect_as_brute_force(const Liquid& liquid) {
   const auto& x = liquid.particles.position;
   for (std::size_t i = 0; i < x.size(); ++i) {
     const auto found = neighbours_of(liquid, i);
-    ASSERT_EQ(found.size(), liquid.lists.begin[i + 1] - liquid.lists.begin[i]) << "an index occurs twice";
+    ASSERT_EQ(found.size(), liquid.lists.rows[i].count) << "an index occurs twice";
     for (std::uint32_t j = 0; j < x.size(); ++j) {
       const double distance = (x[i] - x[j]).cast<double>().norm(),
                    support = 2 * static_cast<double>(kSpacing);
@@ -84,7 +99,7 @@ TEST(Neighbours, CountAsNanoflann) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     const std::size_t count = tree.radiusSearch(liquid.particles.position[i].data(), 4 * kSpacing * kSpacing,
                                                 found, nanoflann::SearchParams());
-    differing += count - 1 != liquid.lists.begin[i + 1] - liquid.lists.begin[i];
+    differing += count - 1 != liquid.lists.rows[i].count;
   }
   EXPECT_LE(differing, 2u);  // pairs whose distance rounds to the support
 }
@@ -114,17 +129,17 @@ TEST(Neighbours, SortingCarriesEveryAttribute) {
   EXPECT_EQ(ids.size(), points.size());
 }
 
-TEST(Neighbours, GradientsAreAntisymmetricToTheBit) {
+TEST(Neighbours, FactorsAreSymmetricToTheBitAndRounded) {
   const auto points = random_points(400, 0.7, 4);
   const Liquid liquid(points, at_rest(points.size()), kSpacing);
-  for (std::size_t i = 0; i < points.size(); ++i)
-    for (std::size_t pair = liquid.lists.begin[i]; pair < liquid.lists.begin[i + 1]; ++pair) {
-      const std::uint32_t j = liquid.lists.index[pair];
-      std::size_t back = liquid.lists.begin[j];
-      while (back < liquid.lists.begin[j + 1] && liquid.lists.index[back] != i) ++back;
-      ASSERT_LT(back, liquid.lists.begin[j + 1]);
-      EXPECT_EQ(liquid.lists.gradient[pair].head<3>(), -liquid.lists.gradient[back].head<3>());
-      EXPECT_EQ(liquid.lists.gradient[pair][3], liquid.lists.gradient[back][3]);
+  const CubicSpline kernel(2 * kSpacing);
+  for (std::uint32_t i = 0; i < points.size(); ++i)
+    for (const auto& [j, factor] : pairs_of(liquid, i)) {
+      const auto back = pairs_of(liquid, j);
+      ASSERT_EQ(std::ranges::count(back, std::pair(i, factor)), 1);
+      const Vec4f x = liquid.particles.position[i] - liquid.particles.position[j];
+      const float exact = kSpacing * kSpacing * kSpacing * kernel.gradient_factor(x.head<3>().norm());
+      EXPECT_NEAR(-liquid.lists.unit * factor, exact, 0.51f * liquid.lists.unit);
     }
 }
 

@@ -67,15 +67,14 @@ TEST(Pressure, DensityRateMatchesFiniteDifferences) {
 
 // D D^T through the solver's own two functions.
 TEST(Pressure, SystemIsSymmetricAndPositiveSemidefinite) {
-  const Liquid liquid = collapsing();
+  Liquid liquid = collapsing();
   const std::size_t n = liquid.particles.size();
   Eigen::MatrixXd matrix(n, n);
   for (std::size_t column = 0; column < n; ++column) {
-    std::vector<float> unit(n, 0);
-    unit[column] = 1;
+    for (std::size_t i = 0; i < n; ++i) liquid.particles.position[i][3] = i == column;
     std::vector<Vec4f> acceleration(n);
     for (std::size_t i = 0; i < n; ++i)
-      acceleration[i] = pressure_acceleration(i, liquid.particles, liquid.lists, unit);
+      acceleration[i] = pressure_acceleration(i, liquid.particles, liquid.lists);
     for (std::size_t i = 0; i < n; ++i)
       matrix(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(column)) =
           -static_cast<double>(density_rate(i, liquid.particles, liquid.lists, acceleration));

@@ -8,9 +8,11 @@
 #include "core/errors.h"
 #include "tools/experiments/enright.h"
 #include "tools/experiments/fig9.h"
+#include "tools/experiments/hydrostatic.h"
 #include "tools/experiments/minimisers.h"
 #include "tools/experiments/motions.h"
 #include "tools/experiments/rigid_figures.h"
+#include "tools/experiments/validation.h"
 #include "tools/files.h"
 #include "tools/plot.h"
 #include "tools/progress.h"
@@ -26,7 +28,7 @@ constexpr const char* kReportFile = "report.md";
 const Experiment& experiment_named(std::string_view name) {
   for (const Experiment& experiment : experiments())
     if (experiment.name == name) return experiment;
-  std::string names = "all";
+  std::string names = "all, validate";
   for (const Experiment& experiment : experiments()) names += fmt::format(", {}", experiment.name);
   throw InvalidInput(fmt::format("unknown experiment \"{}\"; experiments are {}", name, names));
 }
@@ -37,12 +39,15 @@ std::vector<const Experiment*> chosen(const ExperimentOptions& options) {
     if (std::ranges::find(result, &experiment) == result.end()) result.push_back(&experiment);
   };
   for (const std::string& name : options.names) {
-    if (name != "all") {
+    if (name != "all" && name != "validate") {
       add(experiment_named(name));
       continue;
     }
     for (const Experiment& experiment : experiments())
-      if (experiment.part_of_all || options.quick) add(experiment);
+      if (experiment.name.starts_with(kValidationPrefix)
+              ? name == "validate"
+              : name == "all" && (experiment.part_of_all || options.quick))
+        add(experiment);
   }
   return result;
 }
@@ -95,6 +100,8 @@ std::span<const Experiment> experiments() {
       Experiment{"enright-exact", "experiments/enright.toml",
                  "the same on the exact implicit function; minutes, and not part of \"all\"",
                  experiment_enright_exact, "", false},
+      Experiment{"validate-hydrostatic", "experiments/validate-hydrostatic.toml",
+                 "liquid at rest in a basin: pressure and level", validate_hydrostatic},
   };
   return table;
 }
@@ -118,7 +125,7 @@ void run_experiments(const ExperimentOptions& options) {
     report.seconds = watch.seconds();
     if (!options.quiet) {
       draw_status_line("");
-      fmt::print("{:<12} {:7.1f} s  {}\n", name, report.seconds, experiment->summary);
+      fmt::print("{:<24} {:7.1f} s  {}\n", name, report.seconds, experiment->summary);
       std::fflush(stdout);
     }
     reports.push_back(std::move(report));

@@ -1,4 +1,5 @@
-// `kappaflow experiment`: the figures of Fujisawa, Mandachi & Miura (2011) with numbers beside the pictures.
+// `kappaflow experiment`: the figures of Fujisawa, Mandachi & Miura (2011) with numbers beside the pictures,
+// and validations of the solver.
 //
 // To add an experiment, write one function of type ExperimentFunction and add its row to the table in
 // experiment.cpp.
@@ -17,7 +18,7 @@
 namespace kappaflow {
 
 struct ExperimentOptions {
-  std::vector<std::string> names;      ///< of experiments, or "all"
+  std::vector<std::string> names;      ///< of experiments, "all" or "validate"
   std::filesystem::path folder;        ///< for the results
   std::filesystem::path scenes;        ///< where the experiments' files lie; empty: those of the program
   bool quick = false;                  ///< the smaller variant that each experiment's file describes
@@ -48,7 +49,8 @@ struct Experiment {
   std::string_view summary;  ///< one line for help texts
   ExperimentFunction run;
   std::string_view quick_file = {};  ///< of the quick variant; empty: its file's table [quick] describes that
-  bool part_of_all = true;           ///< of "all" without --quick; the others take long
+  bool part_of_all =
+      true;  ///< of "all" without --quick; the others take long. Validations are never part of "all"
 };
 
 std::span<const Experiment> experiments();

@@ -1,0 +1,117 @@
+// Eight numbers at a time: what the SPH loops over neighbours are written in. Eigen's fixed arrays do the
+// arithmetic (AVX2 with the baseline x86-64-v3, pairs of four lanes elsewhere); here is what Eigen lacks.
+#pragma once
+
+#ifdef __AVX2__
+#include <immintrin.h>
+#endif
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <cstring>
+
+#include "core/types.h"
+
+namespace kappaflow {
+
+inline constexpr int kWide = 8;  ///< lanes
+
+using Wide = Eigen::Array<float, kWide, 1>;
+
+/// Eight padded vectors, transposed.
+struct WideVec {
+  Wide x, y, z, w;
+};
+
+/// The eight vectors points[index[0]], points[index[1]], ...
+inline WideVec gather(const Vec4f* points, const std::uint32_t* index) {
+  using Four [[gnu::vector_size(16)]] = float;
+  using Eight [[gnu::vector_size(32)]] = float;
+  const auto both = [&](int k) {  // points k and k + 4
+    Four low, high;
+    std::memcpy(&low, points + index[k], sizeof low);
+    std::memcpy(&high, points + index[k + 4], sizeof high);
+    return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
+  };
+  const Eight a = both(0), b = both(1), c = both(2), d = both(3);
+  const Eight ab_xy = __builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13);
+  const Eight cd_xy = __builtin_shufflevector(c, d, 0, 8, 1, 9, 4, 12, 5, 13);
+  const Eight ab_zw = __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15);
+  const Eight cd_zw = __builtin_shufflevector(c, d, 2, 10, 3, 11, 6, 14, 7, 15);
+  const Eight x = __builtin_shufflevector(ab_xy, cd_xy, 0, 1, 8, 9, 4, 5, 12, 13);
+  const Eight y = __builtin_shufflevector(ab_xy, cd_xy, 2, 3, 10, 11, 6, 7, 14, 15);
+  const Eight z = __builtin_shufflevector(ab_zw, cd_zw, 0, 1, 8, 9, 4, 5, 12, 13);
+  const Eight w = __builtin_shufflevector(ab_zw, cd_zw, 2, 3, 10, 11, 6, 7, 14, 15);
+  WideVec result;
+  std::memcpy(result.x.data(), &x, sizeof x);
+  std::memcpy(result.y.data(), &y, sizeof y);
+  std::memcpy(result.z.data(), &z, sizeof z);
+  std::memcpy(result.w.data(), &w, sizeof w);
+  return result;
+}
+
+/// Eight 16-bit numbers as floats.
+inline Wide widen(const std::uint16_t* values) {
+  using Short [[gnu::vector_size(16)]] = std::uint16_t;
+  using Int [[gnu::vector_size(32)]] = std::int32_t;
+  using Eight [[gnu::vector_size(32)]] = float;
+  Short narrow;
+  std::memcpy(&narrow, values, sizeof narrow);
+  const Eight wide = __builtin_convertvector(__builtin_convertvector(narrow, Int), Eight);
+  Wide result;
+  std::memcpy(result.data(), &wide, sizeof wide);
+  return result;
+}
+
+/// The whole parts of eight numbers in [0, 65536).
+inline void narrow(const Wide& values, std::uint16_t* out) {
+  using Short [[gnu::vector_size(16)]] = std::uint16_t;
+  using Int [[gnu::vector_size(32)]] = std::int32_t;
+  using Eight [[gnu::vector_size(32)]] = float;
+  Eight wide;
+  std::memcpy(&wide, values.data(), sizeof wide);
+  const Short narrow = __builtin_convertvector(__builtin_convertvector(wide, Int), Short);
+  std::memcpy(out, &narrow, sizeof narrow);
+}
+
+#ifdef __AVX2__
+namespace detail {
+/// For each set of lanes the order that brings them to the front.
+inline constexpr auto kPacking = [] {
+  std::array<std::array<std::uint32_t, kWide>, 256> packing{};
+  for (std::uint32_t lanes = 0; lanes < 256; ++lanes)
+    for (std::uint32_t lane = 0, packed = 0; lane < kWide; ++lane)
+      if (lanes >> lane & 1) packing[lanes][packed++] = lane;
+  return packing;
+}();
+}  // namespace detail
+#endif
+
+/// Writes to the front of `value_out` and `index_out` those of the eight values that are below `limit` and
+/// whose index is not `except`, and their indices, in order; returns how many. Both have room for eight.
+inline int pack_below(const Wide& value, const std::uint32_t* index, float limit, std::uint32_t except,
+                      float* value_out, std::uint32_t* index_out) {
+#ifdef __AVX2__
+  const __m256 values = _mm256_load_ps(value.data());
+  const __m256i indices = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(index));
+  const __m256i excepted = _mm256_cmpeq_epi32(indices, _mm256_set1_epi32(static_cast<int>(except)));
+  const __m256 below = _mm256_cmp_ps(values, _mm256_set1_ps(limit), _CMP_LT_OQ);
+  const auto lanes =
+      static_cast<unsigned>(_mm256_movemask_ps(_mm256_andnot_ps(_mm256_castsi256_ps(excepted), below)));
+  const __m256i order = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(detail::kPacking[lanes].data()));
+  _mm256_storeu_ps(value_out, _mm256_permutevar8x32_ps(values, order));
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(index_out), _mm256_permutevar8x32_epi32(indices, order));
+  return std::popcount(lanes);
+#else
+  int packed = 0;
+  for (int lane = 0; lane < kWide; ++lane)
+    if (value[lane] < limit && index[lane] != except) {
+      value_out[packed] = value[lane];
+      index_out[packed++] = index[lane];
+    }
+  return packed;
+#endif
+}
+
+}  // namespace kappaflow

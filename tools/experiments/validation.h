@@ -1,0 +1,60 @@
+// What the validations of the solver share: the liquid of a scene at any resolution, power laws through
+// measurements, and statements that hold while an error stays below its limit.
+//
+// A validation is an experiment whose name begins with "validate-". Its scene is one that `kappaflow run`
+// takes; limits stand in its source, where the accuracy that the method promises is said.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/types.h"
+#include "scenes/scene.h"
+#include "tools/experiments/experiment.h"
+#include "tools/report.h"
+
+namespace kappaflow {
+
+inline constexpr std::string_view kValidationPrefix = "validate-";
+
+/// The scene at another resolution.
+Scene with_spacing(Scene scene, double spacing);
+
+/// The liquid of a scene between its walls, without a surface.
+FluidSolver make_liquid(const Scene& scene);
+
+/// Steps until `time` [s]; calls watch after each step.
+using LiquidWatch = std::function<void(const FluidStep&)>;
+void advance(
+    FluidSolver& liquid, double time, const LiquidWatch& watch = [](const FluidStep&) {});
+
+/// y = coefficient x^exponent.
+struct PowerLaw {
+  double exponent = 0, coefficient = 0;
+};
+/// Least squares on the logarithms. Requires two or more points with positive coordinates and different x.
+/// With x a spacing and y an error the exponent is the order of convergence.
+PowerLaw fit_power_law(std::span<const Vec2> points);
+
+/// Root mean square of y - reference(x) over the points.
+double rms_difference(std::span<const Vec2> points, const std::function<double(double)>& reference);
+
+/// reference at `count` even places from first to last, as a curve of a plot.
+std::vector<Vec2> sampled(const std::function<double(double)>& reference, double first, double last,
+                          int count = 101);
+
+/// A measured number that must not exceed its limit; not a number does.
+struct Bounded {
+  std::string what;
+  double value = 0, limit = 0;
+};
+/// A statement with a check for each number; the table of measurements is the report's to show.
+Statement within_limits(const std::string& source, const std::string& statement,
+                        const std::vector<Bounded>& numbers, const std::string& why);
+
+/// A header line, and a line a row with six digits. Every row has as many numbers as the header has names.
+std::string csv_text(const std::string& header, const std::vector<std::vector<double>>& rows);
+
+}  // namespace kappaflow
