@@ -3,7 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <numeric>
@@ -76,13 +75,23 @@ inline void CellGrid::set_bounds(const Vec3& lower, const Vec3& upper, double ce
 template <class Point>
 void CellGrid::build(std::span<const Point> points, double cell_size) {
   const std::size_t n = points.size();
-  Vec3 lower = Vec3::Zero(), upper = Vec3::Zero();
-  if (n > 0) lower = upper = Vec3(points[0][0], points[0][1], points[0][2]);
-  for (const Point& p : points)
-    for (int a = 0; a < 3; ++a) {
-      lower[a] = std::min(lower[a], static_cast<double>(p[a]));
-      upper[a] = std::max(upper[a], static_cast<double>(p[a]));
-    }
+  struct Bounds {
+    Vec3 lower, upper;
+  };
+  const auto at = [&](std::size_t i) {
+    return Vec3(static_cast<double>(points[i][0]), static_cast<double>(points[i][1]),
+                static_cast<double>(points[i][2]));
+  };
+  const Vec3 any = n > 0 ? at(0) : Vec3::Zero();
+  const auto [lower, upper] = parallel_reduce(
+      n, Bounds{any, any},
+      [&](std::size_t i) {
+        return Bounds{at(i), at(i)};
+      },
+      [](const Bounds& a, const Bounds& b) {
+        return Bounds{a.lower.cwiseMin(b.lower), a.upper.cwiseMax(b.upper)};
+      },
+      4096);
   set_bounds(lower, upper, cell_size, n);
 
   cell_of_.resize(n);
@@ -97,26 +106,18 @@ void CellGrid::build(std::span<const Point> points, double cell_size) {
   sort_by_cell();
 }
 
+// Counting sort on one thread: it is bound by memory, and atomic counters on several were slower.
 inline void CellGrid::sort_by_cell() {
-  const std::size_t n = cell_of_.size(), cells = static_cast<std::size_t>(dims_[0]) * dims_[1] * dims_[2];
-  const auto next_in = [this](std::uint32_t cell) {
-    return std::atomic_ref(cell_start_[cell]).fetch_add(1, std::memory_order_relaxed);
-  };
+  const std::size_t cells = static_cast<std::size_t>(dims_[0]) * dims_[1] * dims_[2];
   cell_start_.assign(cells + 1, 0);
-  parallel_for(n, [&](std::size_t i) { next_in(cell_of_[i] + 1); });
+  for (const std::uint32_t cell : cell_of_) ++cell_start_[cell + 1];
   std::partial_sum(cell_start_.begin(), cell_start_.end(), cell_start_.begin());
-  order_.resize(n);
-  parallel_for(n, [&](std::size_t i) { order_[next_in(cell_of_[i])] = static_cast<std::uint32_t>(i); });
+  order_.resize(cell_of_.size());
+  for (std::size_t i = 0; i < cell_of_.size(); ++i)
+    order_[cell_start_[cell_of_[i]]++] = static_cast<std::uint32_t>(i);
   // Filling moved each start to its cell's end, which is the next cell's start: shift back.
   std::rotate(cell_start_.begin(), cell_start_.end() - 1, cell_start_.end());
   cell_start_[0] = 0;
-  // The threads filled the cells in any order.
-  parallel_for(
-      cells,
-      [&](std::size_t cell) {
-        std::sort(order_.begin() + cell_start_[cell], order_.begin() + cell_start_[cell + 1]);
-      },
-      4096);
 }
 
 template <class Point, class Visit>

@@ -1,6 +1,7 @@
 // The prescribed motion of a rigid body, e.g. of a moving wall.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <vector>
 
 #include "core/types.h"

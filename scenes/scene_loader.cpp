@@ -77,22 +77,27 @@ std::optional<double> read_viscosity(TomlTable& t, double density) {
   return std::nullopt;
 }
 
-/// The number of the fluid whose viscosity a block or an emitter states; that of [fluid] where it states
-/// none.
-std::uint8_t read_fluid_number(TomlTable& t, FluidOptions& fluid) {
-  const std::optional<double> viscosity = read_viscosity(t, fluid.density);
-  if (!viscosity || *viscosity == fluid.kinematic_viscosity) return 0;
-  std::vector<double>& more = fluid.more_viscosities;
-  const auto known = std::ranges::find(more, *viscosity);
-  const auto number = static_cast<std::size_t>(known - more.begin()) + 1;
-  if (number > kMaxFluidNumber)
-    throw InvalidInput(t.where(), fmt::format("one viscosity too many; allowed: at most {} different ones",
-                                              kMaxFluidNumber + 1));
-  if (known == more.end()) more.push_back(*viscosity);
-  return static_cast<std::uint8_t>(number);
-}
+/// The fluids of a scene while its tables are read; number 0 is that of [fluid].
+struct Fluids {
+  FluidOptions& options;
 
-FluidBlock read_block(TomlTable t, FluidOptions& fluid) {
+  /// The number of the fluid whose viscosity the table states.
+  std::uint8_t read(TomlTable& t) {
+    const std::optional<double> viscosity = read_viscosity(t, options.density);
+    if (!viscosity || *viscosity == options.kinematic_viscosity) return 0;
+    std::vector<double>& more = options.more_viscosities;
+    const auto known = std::ranges::find(more, *viscosity);
+    const auto number = static_cast<std::size_t>(known - more.begin()) + 1;
+    if (number > kMaxFluidNumber)
+      throw InvalidInput(
+          t.where(), fmt::format("the scene has more than {} different viscosities; allowed: at most as many",
+                                 kMaxFluidNumber + 1));
+    if (known == more.end()) more.push_back(*viscosity);
+    return static_cast<std::uint8_t>(number);
+  }
+};
+
+FluidBlock read_block(TomlTable t, Fluids& fluids) {
   enum class Kind { box, sphere, mesh };
   static constexpr Named<Kind> kKinds[] = {
       {"box", Kind::box}, {"sphere", Kind::sphere}, {"mesh", Kind::mesh}};
@@ -100,7 +105,7 @@ FluidBlock read_block(TomlTable t, FluidOptions& fluid) {
   block.where = t.where();
   const Kind kind = t.choice("shape", kKinds, {});
   block.velocity = t.vector("velocity", "m/s", block.velocity);
-  block.fluid = read_fluid_number(t, fluid);
+  block.fluid = fluids.read(t);
   if (kind == Kind::box)
     block.shape = read_box(t);
   else if (kind == Kind::sphere)
@@ -112,7 +117,7 @@ FluidBlock read_block(TomlTable t, FluidOptions& fluid) {
   return block;
 }
 
-Emitter read_emitter(TomlTable t, FluidOptions& fluid) {
+Emitter read_emitter(TomlTable t, Fluids& fluids) {
   enum class Kind { disc, rectangle };
   static constexpr Named<Kind> kKinds[] = {{"disc", Kind::disc}, {"rectangle", Kind::rectangle}};
   Emitter emitter;
@@ -131,10 +136,10 @@ Emitter read_emitter(TomlTable t, FluidOptions& fluid) {
   if (t.has("particle_limit"))
     emitter.max_particles =
         static_cast<std::size_t>(t.integer("particle_limit", 1, std::numeric_limits<int>::max()));
-  emitter.fluid = read_fluid_number(t, fluid);
+  emitter.fluid = fluids.read(t);
   t.finish();
   try {
-    check_emitter(emitter, fluid.spacing, fluid_count(fluid));
+    check_emitter(emitter, fluids.options.spacing, 1 + fluids.options.more_viscosities.size());
   } catch (const InvalidInput& error) {
     throw InvalidInput(t.where(), error.what());
   }
@@ -190,10 +195,11 @@ void read_fluid(TomlTable t, Scene& scene) {
   fluid.kinematic_viscosity = *viscosity;
   if (fluid.gravity.norm() > kMaxSpeed)
     t.refuse("gravity", fmt::format("at most {} m/s2 in length", kMaxSpeed));
-  for (TomlTable& table : blocks) scene.blocks.push_back(read_block(std::move(table), fluid));
+  Fluids fluids{fluid};
+  for (TomlTable& table : blocks) scene.blocks.push_back(read_block(std::move(table), fluids));
   for (TomlTable& table : emitters) {
     scene.emitters_where.push_back(table.where());
-    fluid.emitters.push_back(read_emitter(std::move(table), fluid));
+    fluid.emitters.push_back(read_emitter(std::move(table), fluids));
   }
   if (blocks.empty() && std::ranges::none_of(fluid.emitters, [](const Emitter& e) { return e.start == 0; }))
     throw InvalidInput(t.where(),

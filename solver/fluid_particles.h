@@ -1,6 +1,7 @@
 // The liquid's particles as the solver holds them: structure of arrays in cell order, single precision.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -33,6 +34,10 @@ struct FluidParticles {
   std::vector<float> density;              ///< over the rest density [1]
   std::vector<Vec4f> gradient_sum;         ///< density's gradient in the particle's own position [1/m]
   std::vector<float> gradient_square_sum;  ///< sum_j |V grad W_ij|^2 [1/m2]
+
+  // Room for what a phase of a step needs while it runs; the next phase overwrites it.
+  std::array<std::vector<Vec4f>, 3> scratch;
+  std::vector<float> scalar_scratch;
 
   std::size_t size() const { return id.size(); }
 

@@ -110,7 +110,7 @@ FluidSolver::FluidSolver(const FluidOptions& options, std::span<const Vec3> posi
                          std::span<const RigidMotion> motions, std::span<const std::uint8_t> fluid) {
   check_options(options);
   const std::vector<SolidDistance> solids(walls.begin(), walls.end());
-  check_start(position, velocity, fluid, fluid_count(options), solids);
+  check_start(position, velocity, fluid, 1 + options.more_viscosities.size(), solids);
   state_ = std::make_unique<State>(
       options, Walls(wall_bodies(walls, motions, options.spacing), static_cast<float>(options.spacing)));
   state_->particles = particles_at_start(position, velocity, fluid);
@@ -158,8 +158,8 @@ void FluidSolver::State::update_neighbourhood() {
 double FluidSolver::State::time_step(double time_left) const {
   if (!(time_left > 0))
     throw InvalidInput(fmt::format("time left for the step = {} s; must be above 0", time_left));
-  const double fastest_of_all = std::max({fastest, walls.fastest(), emitters.fastest()});
-  const double needed = cfl_time_step(fastest_of_all, options.gravity.norm(), options.cfl * options.spacing);
+  const double needed = cfl_time_step(std::max({fastest, emitters.fastest(), walls.fastest()}),
+                                      options.gravity.norm(), options.cfl * options.spacing);
   if (needed < options.min_time_step)
     throw SolverFailure(
         time, fastest_id(particles),

@@ -19,9 +19,9 @@ struct FluidOptions {
   double density = 1000;  ///< rest density [kg/m3]
   double kinematic_viscosity = 1;  ///< [m2/s]
   double slip_length = 0;          ///< of the walls (Navier): 0: no slip, infinite: free slip [m]
-  /// [m2/s] of fluids 1, 2, ... where there are several; the one above is that of fluid 0. All have the same
-  /// rest density. Between fluids of viscosities a and b the viscosity is their harmonic mean, 2 a b / (a +
-  /// b): the shear stress is then the same on both sides of their interface.
+  /// Kinematic viscosities of fluids 1, 2, ... where there are several [m2/s]; all have the same rest
+  /// density. Between fluids of viscosities a and b the viscosity is their harmonic mean, 2 a b / (a + b):
+  /// the shear stress across the interface is then continuous.
   std::vector<double> more_viscosities;
   std::vector<Emitter> emitters;
   double surface_tension = 0;  ///< of all fluids against the air [N/m]; see surface_tension.h
@@ -37,11 +37,6 @@ struct FluidOptions {
   double viscosity_tolerance = 1e-3;  ///< relative residual at which the viscosity solver stops [1]
   int max_viscosity_iterations = 100;
 };
-
-/// How many fluids the options describe.
-inline std::size_t fluid_count(const FluidOptions& options) {
-  return 1 + options.more_viscosities.size();
-}
 
 /// What one time step did.
 struct FluidStep {

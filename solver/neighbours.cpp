@@ -12,28 +12,43 @@ NeighbourSearch::NeighbourSearch(float spacing)
       volume_(spacing * spacing * spacing),
       unit_(volume_ * kernel_.largest_gradient_factor() / 65535) {}
 
-/// Lists the particles in and around a cell.
-void NeighbourSearch::Scratch::collect(const CellGrid& grid, std::uint32_t cell,
-                                       std::span<const Vec4f> position) {
-  x.clear(), y.clear(), z.clear(), candidate.clear();
-  const auto add = [&](const Vec4f& p, std::uint32_t k) {
-    x.push_back(p[0]), y.push_back(p[1]), z.push_back(p[2]), candidate.push_back(k);
-  };
-  grid.ranges_around(cell, [&](std::uint32_t begin, std::uint32_t end) {
-    for (std::uint32_t k = begin; k < end; ++k) add(position[k], k);
+/// Lists the particles within the support of the box around the particles [begin, end) of a cell.
+void NeighbourSearch::Scratch::collect(const CellGrid& grid, std::size_t begin, std::size_t end,
+                                       std::span<const Vec4f> position, float support) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  Vec4f lower = position[begin], upper = lower;
+  for (std::size_t i = begin + 1; i < end; ++i) {
+    lower = lower.cwiseMin(position[i]);
+    upper = upper.cwiseMax(position[i]);
+  }
+  lower[3] = -kInfinity, upper[3] = kInfinity;  // the fourth component is no coordinate
+  std::size_t count = 0;
+  grid.ranges_around(grid.cell_at(begin), [&](std::uint32_t first, std::uint32_t last) {
+    const std::size_t room = count + (last - first) + kWide;
+    if (candidate.size() < room) {
+      for (auto* axis : {&x, &y, &z}) axis->resize(2 * room);
+      candidate.resize(2 * room);
+    }
+    for (std::uint32_t k = first; k < last; ++k) {
+      const Vec4f p = position[k];
+      x[count] = p[0], y[count] = p[1], z[count] = p[2], candidate[count] = k;
+      const Vec4f outside = (lower - p).cwiseMax(p - upper).cwiseMax(0.0f);
+      count += outside.squaredNorm() < support * support;
+    }
   });
-  while (candidate.size() % kWide != 0) add(Vec4f::Constant(std::numeric_limits<float>::infinity()), 0);
+  candidates = (count + kWide - 1) / kWide * kWide;
+  for (; count < candidates; ++count) x[count] = y[count] = z[count] = kInfinity;
 }
 
 /// Finds particle i's neighbours among them.
 void NeighbourSearch::Scratch::append_row(std::uint32_t i, const Vec4f& xi, float support) {
-  if (found.size() < pairs + candidate.size() + kWide) {
-    found.resize(2 * (pairs + candidate.size() + kWide));
+  if (found.size() < pairs + candidates + kWide) {
+    found.resize(2 * (pairs + candidates + kWide));
     square.resize(found.size());
   }
   std::size_t end = pairs;
   using Loaded = Eigen::Map<const Wide>;
-  for (std::size_t k = 0; k < candidate.size(); k += kWide) {
+  for (std::size_t k = 0; k < candidates; k += kWide) {
     const Wide dx = Loaded(&x[k]) - xi[0], dy = Loaded(&y[k]) - xi[1], dz = Loaded(&z[k]) - xi[2];
     const Wide r2 = dx * dx + dy * dy + dz * dz;
     end += static_cast<std::size_t>(
@@ -57,9 +72,9 @@ void NeighbourSearch::sort(FluidParticles& particles) {
   grid_.build(std::span<const Vec4f>(particles.position), kernel_.support());
   permute(particles.id, id_buffer_);
   for (auto* array : {&particles.position, &particles.velocity, &particles.viscous_change})
-    permute(*array, vector_buffer_);
+    permute(*array, particles.scratch[0]);
   for (auto* array : {&particles.density_pressure, &particles.divergence_pressure})
-    permute(*array, scalar_buffer_);
+    permute(*array, particles.scalar_scratch);
   for (auto* array : {&particles.fluid, &particles.led_by}) permute(*array, byte_buffer_);
 }
 
@@ -68,9 +83,11 @@ void NeighbourSearch::find_in_chunk(std::size_t chunk, const FluidParticles& par
   const std::size_t begin = chunk * kChunk, end = std::min(begin + kChunk, particles.size());
   scratch.rows.clear();
   scratch.pairs = 0;
-  for (std::size_t i = begin; i < end; ++i) {
-    if (i == begin || grid_.cell_at(i) != grid_.cell_at(i - 1))
-      scratch.collect(grid_, grid_.cell_at(i), particles.position);
+  for (std::size_t i = begin, in_cell = begin; i < end; ++i) {
+    if (i == in_cell) {
+      while (in_cell < end && grid_.cell_at(in_cell) == grid_.cell_at(i)) ++in_cell;
+      scratch.collect(grid_, i, in_cell, particles.position, kernel_.support());
+    }
     scratch.append_row(static_cast<std::uint32_t>(i), particles.position[i], kernel_.support());
   }
 }

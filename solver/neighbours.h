@@ -60,14 +60,16 @@ class NeighbourSearch {
 
   /// What a thread needs to find the neighbours of a chunk of particles.
   struct Scratch {
-    std::vector<float> x, y, z;            // the particles in and around a cell, padded to whole blocks
+    std::vector<float> x, y, z;            // the particles near a cell's, padded to whole blocks
     std::vector<std::uint32_t> candidate;  // which they are
+    std::size_t candidates = 0;            // padding included
     std::vector<float> square;             // squared distances of the pairs, rows padded to whole blocks
     std::vector<std::uint32_t> found;      // their j
     std::size_t pairs = 0;                 // in both, padding included
     std::vector<NeighbourLists::Row> rows;
 
-    void collect(const CellGrid& grid, std::uint32_t cell, std::span<const Vec4f> position);
+    void collect(const CellGrid& grid, std::size_t begin, std::size_t end, std::span<const Vec4f> position,
+                 float support);
     void append_row(std::uint32_t i, const Vec4f& xi, float support);
   };
 
@@ -82,8 +84,6 @@ class NeighbourSearch {
   float volume_, unit_;  // unit_: NeighbourLists::unit
   CellGrid grid_;
   tbb::enumerable_thread_specific<Scratch> scratch_;
-  std::vector<Vec4f> vector_buffer_;
-  std::vector<float> scalar_buffer_;
   std::vector<std::uint32_t> id_buffer_;
   std::vector<std::uint8_t> byte_buffer_;
 };

@@ -14,6 +14,35 @@ constexpr float kLeastDiagonal = 1e-20f;  // below: no neighbours, no pressure
 constexpr float kFirstCurvature =
     2.5f;  // largest eigenvalue of the scaled system to begin with; liquid has up to 3
 
+// What the solves keep in FluidParticles::scratch.
+std::vector<Vec4f>& accelerations(FluidParticles& particles) {
+  return particles.scratch[0];
+}
+/// The left-hand side of the constraint without pressure.
+std::vector<float>& sources(FluidParticles& particles) {
+  return particles.scalar_scratch;
+}
+/// Four numbers a particle: kappa after this iteration and the last, before extrapolation; kappa and the
+/// constraint's violation that the last iteration saw.
+enum Iterate { kProposed, kAccepted, kSeenKappa, kSeenViolation };
+std::vector<Vec4f>& iterates(FluidParticles& particles) {
+  return particles.scratch[1];
+}
+
+void accelerate_by_pressure(FluidParticles& particles, const NeighbourLists& lists) {
+  auto& acceleration = accelerations(particles);
+  parallel_for(particles.size(),
+               [&](std::size_t i) { acceleration[i] = pressure_acceleration(i, particles, lists); });
+}
+
+/// Lets the pair loops see kappa and computes its accelerations.
+void start_from(const std::vector<float>& kappa, FluidParticles& particles, const NeighbourLists& lists) {
+  const std::size_t n = particles.size();
+  accelerations(particles).resize(n);
+  parallel_for(n, [&](std::size_t i) { particles.position[i][3] = kappa[i]; });
+  accelerate_by_pressure(particles, lists);
+}
+
 }  // namespace
 
 /// What one iteration learns over all particles.
@@ -57,67 +86,68 @@ Vec4f pressure_acceleration(std::size_t i, const FluidParticles& particles, cons
 }
 
 void PressureSolver::apply_last(FluidParticles& particles, const NeighbourLists& lists, float time_step) {
-  const std::size_t n = particles.size();
-  acceleration_.resize(n);
-  parallel_for(n, [&](std::size_t i) { particles.position[i][3] = particles.density_pressure[i]; });
-  parallel_for(n, [&](std::size_t i) {
-    acceleration_[i] = pressure_acceleration(i, particles, lists);
-    particles.velocity[i] += time_step * acceleration_[i];
-  });
+  start_from(particles.density_pressure, particles, lists);
+  const auto& acceleration = accelerations(particles);
+  parallel_for(particles.size(),
+               [&](std::size_t i) { particles.velocity[i] += time_step * acceleration[i]; });
 }
 
 PressureSolve PressureSolver::correct_density(FluidParticles& particles, const NeighbourLists& lists,
                                               const WallSums& walls, float time_step) {
   const std::size_t n = particles.size();
-  source_.resize(n);
-  parallel_for(n, [&](std::size_t i) { particles.velocity[i] -= time_step * acceleration_[i]; });
+  start_from(particles.density_pressure, particles, lists);
+  const auto& acceleration = accelerations(particles);
+  auto& source = sources(particles);
+  source.resize(n);
+  parallel_for(n, [&](std::size_t i) { particles.velocity[i] -= time_step * acceleration[i]; });
   parallel_for(n, [&](std::size_t i) {
     const float rate = density_rate(i, particles, lists, particles.velocity) + walls.density_rate(i);
-    source_[i] = particles.density[i] - 1 + time_step * rate;
+    source[i] = particles.density[i] - 1 + time_step * rate;
   });
   return solve(particles, lists, time_step, density_tolerance_, particles.density_pressure);
 }
 
 PressureSolve PressureSolver::correct_divergence(FluidParticles& particles, const NeighbourLists& lists,
                                                  const WallSums& walls, float time_step) {
-  source_.resize(particles.size());
+  start_from(particles.divergence_pressure, particles, lists);
+  auto& source = sources(particles);
+  source.resize(particles.size());
   parallel_for(particles.size(), [&](std::size_t i) {
     const float rate = density_rate(i, particles, lists, particles.velocity) + walls.density_rate(i);
-    source_[i] = std::min(particles.density[i] - 1, 0.0f) + time_step * rate;
+    source[i] = std::min(particles.density[i] - 1, 0.0f) + time_step * rate;
   });
   return solve(particles, lists, time_step, divergence_tolerance_, particles.divergence_pressure);
 }
 
-PressureSolver::Progress PressureSolver::iterate(const FluidParticles& particles, const NeighbourLists& lists,
+PressureSolver::Progress PressureSolver::iterate(FluidParticles& particles, const NeighbourLists& lists,
                                                  float square_step, float relaxation) {
-  const std::size_t n = particles.size();
-  parallel_for(n, [&](std::size_t i) { acceleration_[i] = pressure_acceleration(i, particles, lists); });
-  return parallel_sum(n, Progress(), [&](std::size_t i) {
+  const auto& acceleration = accelerations(particles);
+  const auto& source = sources(particles);
+  auto& iterate = iterates(particles);
+  return parallel_sum(particles.size(), Progress(), [&](std::size_t i) {
     const float diagonal =
         square_step * (particles.gradient_sum[i].squaredNorm() + particles.gradient_square_sum[i]);
     const float kappa = particles.position[i][3];
-    const float violation = source_[i] + square_step * density_rate(i, particles, lists, acceleration_);
+    const float violation = source[i] + square_step * density_rate(i, particles, lists, acceleration);
     const float jacobi = violation / std::max(diagonal, square_step * kLeastDiagonal);
-    proposed_[i] =
+    const float proposed =
         diagonal > square_step * kLeastDiagonal ? std::max(0.0f, kappa + relaxation * jacobi) : 0.0f;
-    const float move = kappa - last_kappa_[i];
-    const Progress progress{std::abs(std::max(-kappa * diagonal, violation)),
-                            (kappa - proposed_[i]) * diagonal * (proposed_[i] - accepted_[i]),
-                            move * diagonal * move, move * (last_violation_[i] - violation), violation};
-    last_kappa_[i] = kappa;
-    last_violation_[i] = violation;
-    return progress;
+    const Vec4f last = iterate[i];
+    const float move = kappa - last[kSeenKappa];
+    iterate[i] = {proposed, last[kAccepted], kappa, violation};
+    return Progress{std::abs(std::max(-kappa * diagonal, violation)),
+                    (kappa - proposed) * diagonal * (proposed - last[kAccepted]), move * diagonal * move,
+                    move * (last[kSeenViolation] - violation), violation};
   });
 }
 
 PressureSolve PressureSolver::solve(FluidParticles& particles, const NeighbourLists& lists, float time_step,
                                     double tolerance, std::vector<float>& kappa) {
   const std::size_t n = particles.size();
-  acceleration_.resize(n);
-  proposed_.resize(n);
-  last_violation_.resize(n);
-  accepted_ = last_kappa_ = kappa;
-  parallel_for(n, [&](std::size_t i) { particles.position[i][3] = kappa[i]; });
+  const auto& acceleration = accelerations(particles);
+  auto& iterate_of = iterates(particles);
+  iterate_of.resize(n);
+  parallel_for(n, [&](std::size_t i) { iterate_of[i] = {0, kappa[i], kappa[i], 0}; });
   float momentum = 1, curvature = kFirstCurvature;
   for (int iterations = 0;; ++iterations) {
     const Progress progress = iterate(particles, lists, time_step * time_step, 1 / curvature);
@@ -125,7 +155,7 @@ PressureSolve PressureSolver::solve(FluidParticles& particles, const NeighbourLi
     const bool converged = mean_error <= tolerance && progress.max_error <= kMaxCompression;
     if ((converged && iterations >= kMinIterations) || iterations == max_iterations_) {
       parallel_for(n, [&](std::size_t i) {
-        particles.velocity[i] += time_step * acceleration_[i];
+        particles.velocity[i] += time_step * acceleration[i];
         kappa[i] = particles.position[i][3];
       });
       return {iterations, mean_error, progress.max_error};
@@ -137,9 +167,12 @@ PressureSolve PressureSolver::solve(FluidParticles& particles, const NeighbourLi
     const float extrapolation = (momentum - 1) / next_momentum;
     momentum = next_momentum;
     parallel_for(n, [&](std::size_t i) {
-      particles.position[i][3] = std::max(0.0f, proposed_[i] + extrapolation * (proposed_[i] - accepted_[i]));
-      accepted_[i] = proposed_[i];
+      Vec4f& it = iterate_of[i];
+      particles.position[i][3] =
+          std::max(0.0f, it[kProposed] + extrapolation * (it[kProposed] - it[kAccepted]));
+      it[kAccepted] = it[kProposed];
     });
+    accelerate_by_pressure(particles, lists);
   }
 }
 

@@ -61,15 +61,11 @@ class PressureSolver {
 
   PressureSolve solve(FluidParticles& particles, const NeighbourLists& lists, float time_step,
                       double tolerance, std::vector<float>& kappa);
-  Progress iterate(const FluidParticles& particles, const NeighbourLists& lists, float square_step,
+  Progress iterate(FluidParticles& particles, const NeighbourLists& lists, float square_step,
                    float relaxation);
 
   double density_tolerance_, divergence_tolerance_;
   int max_iterations_;
-  std::vector<Vec4f> acceleration_;
-  std::vector<float> source_;               // left-hand side of the constraint without pressure
-  std::vector<float> proposed_, accepted_;  // kappa after this step and the last, before extrapolation
-  std::vector<float> last_kappa_, last_violation_;  // of the last iteration
 };
 
 /// D u: rate of change of the relative density that velocities u cause between walls at rest [1/s],

@@ -29,11 +29,12 @@ void check_options(const FluidOptions& o) {
   require_positive(o.density, "density");
   require_not_negative(o.kinematic_viscosity, "kinematic_viscosity");
   require(o.slip_length >= 0, fmt::format("slip_length = {}; must be 0 or greater", o.slip_length));
-  require(fluid_count(o) <= 256, fmt::format("{} fluids; allowed: 256", fluid_count(o)));
+  require(o.more_viscosities.size() < 256,
+          fmt::format("{} fluids; allowed: 256", 1 + o.more_viscosities.size()));
   for (const double viscosity : o.more_viscosities)
     require_not_negative(viscosity, "kinematic viscosity of a further fluid");
   require(o.emitters.size() < 256, fmt::format("{} emitters; allowed: 255", o.emitters.size()));
-  for (const Emitter& emitter : o.emitters) check_emitter(emitter, o.spacing, fluid_count(o));
+  for (const Emitter& emitter : o.emitters) check_emitter(emitter, o.spacing, 1 + o.more_viscosities.size());
   require_not_negative(o.surface_tension, "surface_tension");
   const double capillary = capillary_time_step(o.surface_tension, o.density, o.spacing);
   require(capillary >= o.min_time_step,

@@ -39,11 +39,11 @@ SurfaceTension::SurfaceTension(const FluidOptions& options)
 
 Vec4f SurfaceTension::acceleration(std::size_t i, const FluidParticles& particles,
                                    const NeighbourLists& lists) const {
-  const Vec4f xi = particles.position[i], mi = direction_[i];
+  const Vec4f xi = particles.position[i], mi = particles.scratch[0][i];
   Wide sum_x = Wide::Zero(), sum_y = Wide::Zero(), sum_z = Wide::Zero();
   for (const PairBlock& block : lists.of(i)) {
     const WideVec xj = gather(particles.position.data(), block.index.data());
-    const WideVec mj = gather(direction_.data(), block.index.data());
+    const WideVec mj = gather(particles.scratch[0].data(), block.index.data());
     const Wide x = inverse_support_ * (xi[0] - xj.x), y = inverse_support_ * (xi[1] - xj.y),
                z = inverse_support_ * (xi[2] - xj.z);
     const Wide q = (x * x + y * y + z * z).sqrt().max(kLeastDistance);
@@ -61,12 +61,13 @@ Vec4f SurfaceTension::acceleration(std::size_t i, const FluidParticles& particle
   return {-sum_x.sum(), -sum_y.sum(), -sum_z.sum(), 0};
 }
 
-void SurfaceTension::apply(FluidParticles& particles, const NeighbourLists& lists, float time_step) {
+void SurfaceTension::apply(FluidParticles& particles, const NeighbourLists& lists, float time_step) const {
   if (area_strength_ == 0) return;
-  direction_.resize(particles.size());
+  std::vector<Vec4f>& direction = particles.scratch[0];
+  direction.resize(particles.size());
   parallel_for(particles.size(), [&](std::size_t i) {
     const Vec4f& n = particles.gradient_sum[i];
-    direction_[i] = n / std::sqrt(n.squaredNorm() + least_gradient_ * least_gradient_);
+    direction[i] = n / std::sqrt(n.squaredNorm() + least_gradient_ * least_gradient_);
   });
   parallel_for(particles.size(), [&](std::size_t i) {
     if (particles.led_by[i] == 0) particles.velocity[i] += time_step * acceleration(i, particles, lists);

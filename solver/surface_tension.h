@@ -3,8 +3,6 @@
 // potentials.
 #pragma once
 
-#include <vector>
-
 #include "solver/fluid_particles.h"
 #include "solver/fluid_solver.h"
 #include "solver/neighbours.h"
@@ -30,15 +28,15 @@ class SurfaceTension {
   explicit SurfaceTension(const FluidOptions& options);
 
   /// Adds time_step [s] times the acceleration to the velocities; does nothing where there is no tension.
-  void apply(FluidParticles& particles, const NeighbourLists& lists, float time_step);
+  void apply(FluidParticles& particles, const NeighbourLists& lists, float time_step) const;
 
  private:
+  /// Precondition: m of every particle in scratch[0].
   Vec4f acceleration(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists) const;
 
   float inverse_support_;                    // [1/m]
   float least_gradient_;                     // eps [1/m]
   float area_strength_, cohesion_strength_;  // [m/s2]; 0: no tension
-  std::vector<Vec4f> direction_;             // m
 };
 
 /// The longest step in which the shortest capillary wave, two spacings long, is resolved (Brackbill, Kothe &

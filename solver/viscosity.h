@@ -2,6 +2,7 @@
 // for SPH fluids" (2018), with rest volumes in place of the current ones, which makes the system symmetric.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "solver/boundary.h"
@@ -25,11 +26,13 @@ T viscosity_weight(const T& r2, float support) {
   return (16 / (square * square)) * s * (0.56891262f + s * (5.23485966f * s - 2.36495851f));
 }
 
+/// xx, yy, zz, yz, xz, xy
+using SymmetricMatrix = std::array<float, 6>;
+
 /// Solves (I + dt L) v = v* + dt f for the new velocities v, where f - L v is the viscous acceleration: L is
-/// symmetric, positive semidefinite, zero for rigid motions of free liquid; f is what moving walls drive.
-/// The particles that an emitter leads keep their velocity; the others are solved for.
-/// Conjugate gradients on the change v - v*, starting from the last step's, preconditioned by the inverses of
-/// the 3x3 diagonal blocks.
+/// symmetric, positive semidefinite, zero for rigid motions of free liquid; f is what moving walls drive. The
+/// particles that an emitter leads keep their velocity; the others are solved for. Conjugate gradients on the
+/// change v - v*, starting from the last step's, preconditioned by the inverses of the 3x3 diagonal blocks.
 class ViscositySolver {
  public:
   explicit ViscositySolver(const FluidOptions& options);
@@ -47,22 +50,16 @@ class ViscositySolver {
   void invert_diagonal(const FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,
                        float time_step);
 
-  /// Kinematic viscosity between particle i and its eight neighbours [m2/s]. Precondition: several fluids.
-  Wide pair_viscosity(std::size_t i, const PairBlock& block, const FluidParticles& particles) const {
-    const float* row = pair_viscosity_.data() + particles.fluid[i] * viscosity_.size();
-    Wide result;
-    for (int k = 0; k < kWide; ++k) result[k] = row[particles.fluid[block.index[k]]];
-    return result;
-  }
+  /// Kinematic viscosities between a particle of `fluid` and the eight of the block [m2/s].
+  Wide pair_viscosity(std::uint8_t fluid, const FluidParticles& particles, const PairBlock& block) const;
 
-  float support_;                      // of the kernel [m]
-  std::vector<float> viscosity_;       // kinematic, of each fluid [m2/s]
-  std::vector<float> wall_viscosity_;  // the same times d / (d + slip length), d the contact distance
-  std::vector<float> pair_viscosity_;  // of fluids i and j, j fastest
+  float support_;  // of the kernel [m]
+  std::size_t fluids_;
+  std::vector<float> pair_viscosity_;  // kinematic, by i and j [m2/s]
+  std::vector<float> wall_viscosity_;  // by i: the same times d / (d + slip length), d the contact distance
   double tolerance_;                   // on |residual| / |dt L v*|
   int max_iterations_;
-  std::vector<Mat43f> inverse_diagonal_;
-  std::vector<Vec4f> residual_, direction_, image_, preconditioned_;
+  std::vector<SymmetricMatrix> inverse_diagonal_;
 };
 
 }  // namespace kappaflow

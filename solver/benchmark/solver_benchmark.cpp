@@ -53,14 +53,14 @@ struct Phases : Slab {
       : Slab(n),
         particles(particles_at_start(position, velocity)),
         search(static_cast<float>(kSpacing)),
-        walls(samples(), static_cast<float>(kSpacing)) {
+        walls(bodies(), static_cast<float>(kSpacing)) {
     search.sort(particles);
     find();
   }
 
-  std::vector<Vec3> samples() const {
+  std::vector<WallBody> bodies() const {
     const std::vector<SolidDistance> solids{SolidDistance(wall)};
-    return sample_walls(std::span(&wall, 1), solids, kSpacing);
+    return {{sample_walls(std::span(&wall, 1), solids, kSpacing), {}}};
   }
   void find() {
     search.find(particles, lists);
@@ -126,7 +126,7 @@ void pressure_iteration(benchmark::State& state) {
   measure(state, [&] {
     p.particles.velocity = velocity;
     solver.apply_last(p.particles, p.lists, kTimeStep);
-    return solver.correct_density(p.particles, p.lists, kTimeStep).iterations;
+    return solver.correct_density(p.particles, p.lists, p.wall_sums, kTimeStep).iterations;
   });
 }
 

@@ -9,13 +9,13 @@
 
 namespace kappaflow {
 
-Mat3 RigidMotion::rotation(double t) const {
+Mat3 SteadyMotion::rotation(double t) const {
   const double rate = angular_velocity.norm();
   if (rate == 0) return Mat3::Identity();
   return Eigen::AngleAxisd(rate * t, angular_velocity / rate).toRotationMatrix();
 }
 
-RigidParticles::RigidParticles(FieldParticles at_rest, double threshold, const RigidMotion& motion, double t0,
+RigidParticles::RigidParticles(FieldParticles at_rest, double threshold, const SteadyMotion& motion, double t0,
                                double t1)
     : at_rest_(std::move(at_rest)), threshold_(threshold), motion_(motion), t0_(t0), t1_(t1) {
   if (!(t0 < t1)) throw InvalidInput(fmt::format("a step from t = {} s to {} s does not go forward", t0, t1));

@@ -6,7 +6,7 @@
 namespace kappaflow {
 
 /// x(t) = R(t) x(0) + t velocity, R(t) the rotation about the origin by the angle |angular_velocity| t.
-struct RigidMotion {
+struct SteadyMotion {
   Vec3 velocity = Vec3::Zero();          ///< [m/s]
   Vec3 angular_velocity = Vec3::Zero();  ///< [1/s]
 
@@ -20,7 +20,7 @@ class RigidParticles final : public FieldMotion {
  public:
   /// at_rest: the particles at t = 0; their velocities are ignored. Throws InvalidInput as ParticleField
   /// does, and unless t0 < t1.
-  RigidParticles(FieldParticles at_rest, double threshold, const RigidMotion& motion, double t0, double t1);
+  RigidParticles(FieldParticles at_rest, double threshold, const SteadyMotion& motion, double t0, double t1);
 
   double t0() const override { return t0_; }
   double t1() const override { return t1_; }
@@ -29,7 +29,7 @@ class RigidParticles final : public FieldMotion {
  private:
   FieldParticles at_rest_;
   double threshold_;
-  RigidMotion motion_;
+  SteadyMotion motion_;
   double t0_, t1_;
   std::vector<std::shared_ptr<const ParticleField>> fields_;  // those asked for so far
 };

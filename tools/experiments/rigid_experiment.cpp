@@ -12,12 +12,12 @@
 namespace kappaflow {
 namespace {
 
-double distance_from_axis(const Vec3& x, const RigidMotion& motion, const Vec3& centre) {
+double distance_from_axis(const Vec3& x, const SteadyMotion& motion, const Vec3& centre) {
   const double rate = motion.angular_velocity.norm();
   return rate > 0 ? x.cross(motion.angular_velocity).norm() / rate : (x - centre).norm();
 }
 
-double body_size(const TriangleMesh& mesh, const RigidMotion& motion) {
+double body_size(const TriangleMesh& mesh, const SteadyMotion& motion) {
   Vec3 centre = Vec3::Zero();
   for (const Vec3& x : mesh.position) centre += x / static_cast<double>(mesh.vertex_count());
   double size = 0;
@@ -25,7 +25,7 @@ double body_size(const TriangleMesh& mesh, const RigidMotion& motion) {
   return size;
 }
 
-RigidSample sample(const TriangleMesh& mesh, const RigidMotion& motion, double time, double size,
+RigidSample sample(const TriangleMesh& mesh, const SteadyMotion& motion, double time, double size,
                    std::size_t unprojected) {
   const auto error = [&](std::size_t v) {
     return (mesh.position[v] - motion.position(mesh.rest_position[v], time)).norm() / size;

@@ -25,7 +25,7 @@ struct RigidBody {
 /// translation; a cycle takes a second.
 struct RigidExperiment {
   std::string title;
-  RigidMotion motion;
+  SteadyMotion motion;
   int cycles = 1, steps_per_cycle = 1;
   std::vector<RigidBody> bodies;
   std::vector<std::string> methods;

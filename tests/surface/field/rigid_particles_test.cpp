@@ -10,19 +10,19 @@
 namespace kappaflow {
 namespace {
 
-const RigidMotion kMotion{.velocity = Vec3(0.3, -0.1, 0.2), .angular_velocity = Vec3(0.4, 1.1, -2)};
+const SteadyMotion kMotion{.velocity = Vec3(0.3, -0.1, 0.2), .angular_velocity = Vec3(0.4, 1.1, -2)};
 
 RigidParticles seven(double t0, double t1) {
   const testing::Body body = testing::read_body_of_seven();
   return {body.particles, body.threshold, kMotion, t0, t1};
 }
 
-TEST(RigidMotion, AWholeTurnLeadsBack) {
-  const RigidMotion turn{.angular_velocity = 2 * std::numbers::pi * Vec3(1, 2, 2) / 3};
+TEST(SteadyMotion, AWholeTurnLeadsBack) {
+  const SteadyMotion turn{.angular_velocity = 2 * std::numbers::pi * Vec3(1, 2, 2) / 3};
   const Vec3 x(0.4, -0.3, 1);
   EXPECT_LT((turn.position(x, 1) - x).norm(), 4e-15);
   EXPECT_GT((turn.position(x, 0.5) - x).norm(), 0.5);
-  EXPECT_EQ(RigidMotion{}.position(x, 3), x);
+  EXPECT_EQ(SteadyMotion{}.position(x, 3), x);
 }
 
 TEST(RigidParticles, TheFieldMovesWithTheBody) {
