@@ -75,7 +75,7 @@ inline void CellGrid::set_bounds(const Vec3& lower, const Vec3& upper, double ce
 template <class Point>
 void CellGrid::build(std::span<const Point> points, double cell_size) {
   const std::size_t n = points.size();
-  struct Bounds {
+  struct Corners {
     Vec3 lower, upper;
   };
   const auto at = [&](std::size_t i) {
@@ -84,12 +84,12 @@ void CellGrid::build(std::span<const Point> points, double cell_size) {
   };
   const Vec3 any = n > 0 ? at(0) : Vec3::Zero();
   const auto [lower, upper] = parallel_reduce(
-      n, Bounds{any, any},
+      n, Corners{any, any},
       [&](std::size_t i) {
-        return Bounds{at(i), at(i)};
+        return Corners{at(i), at(i)};
       },
-      [](const Bounds& a, const Bounds& b) {
-        return Bounds{a.lower.cwiseMin(b.lower), a.upper.cwiseMax(b.upper)};
+      [](const Corners& a, const Corners& b) {
+        return Corners{a.lower.cwiseMin(b.lower), a.upper.cwiseMax(b.upper)};
       },
       4096);
   set_bounds(lower, upper, cell_size, n);

@@ -47,6 +47,10 @@ Key path(const std::vector<Key>& keys, double time) {
 
 }  // namespace
 
+Vec3 RigidVelocity::at(const Vec3& x) const {
+  return linear + angular.cross(x - point);
+}
+
 RigidPose RigidMotion::pose(double time) const {
   if (at_rest()) return {};
   const Key moved = path(keys, time);

@@ -24,7 +24,7 @@ struct RigidVelocity {
   Vec3 angular = Vec3::Zero();  ///< [rad/s]
   Vec3 point = Vec3::Zero();    ///< [m]
 
-  Vec3 at(const Vec3& x) const { return linear + angular.cross(x - point); }
+  Vec3 at(const Vec3& x) const;
 };
 
 /// A translation with a given velocity and a rotation about an axis through a point that takes part in the

@@ -26,17 +26,15 @@ float square_lattice_sum(const CubicSpline& kernel, float spacing) {
   return kernel.value(0) + 4 * kernel.value(spacing) + 4 * kernel.value(spacing * std::sqrt(2.0f));
 }
 
-/// The factor c of g = c sum_b V_b (1 - r_ib / support). The weights have nothing to do with those of the
-/// pressure: what matters is the shear stress. Between a wall's surface and liquid at the contact distance d
-/// it is rho nu v / d, and acts on a layer one spacing thick: g = 1 / (spacing d), the finite-volume form. So
-/// c makes it, at that distance from a flat wall, whose integral of 1 - r / support over the plane y below is
-/// 2 pi (support^2/6 - y^2/2 + y^3/(3 support)). Liquid further off than about one spacing is not touched.
+/// The factor c of g = c sum_b V_b / r_ib. The weights have nothing to do with those of the pressure: what
+/// matters is the shear stress. Between a wall's surface and liquid at the distance d it is rho nu v / d, and
+/// acts on a layer one spacing thick: g = 1 / (spacing d), the finite-volume form. A flat wall's integral of
+/// 1/r over the plane y = d + depth below is 2 pi (support - y); c makes it right at the contact distance,
+/// whose tangent it nearly is. It vanishes about one spacing from the wall, where the second layer begins.
 double friction_factor(double spacing, double support) {
   const double y = (kContactDistance + kWallDepth) * spacing;
-  const double integral =
-      2 * std::numbers::pi * (support * support / 6 - y * y / 2 + y * y * y / (3 * support));
   const double volume_of_area = static_cast<double>(kVolumeRatio) * spacing;
-  return 1 / (kContactDistance * spacing * spacing * volume_of_area * integral);
+  return 1 / (kContactDistance * spacing * spacing * volume_of_area * 2 * std::numbers::pi * (support - y));
 }
 
 }  // namespace
@@ -133,7 +131,7 @@ Walls::Contact Walls::contact(const Body& body, const Vec4f& x) const {
       // Samples that face away are the other side of a thin wall.
       if (r2 >= support * support || d.head<3>().dot(body.normal[b]) < -spacing_) continue;
       const float r = std::sqrt(r2), volume = body.position[b][3];
-      const float friction = volume * (1 - r / support);
+      const float friction = volume / r;
       sum.touches = true;
       sum.density += volume * kernel_.value(r);
       sum.gradient += volume * kernel_.gradient_factor(r) * d;

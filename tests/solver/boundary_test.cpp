@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <array>
 #include <random>
 
 #include "core/errors.h"
@@ -68,11 +69,11 @@ TEST(WallSamples, CoverTheLayerEvenly) {
   const std::vector<TriangleSurface> walls{box_surface({0, 0, 0}, {1, 0.5, 0.8})};
   const auto solids = distances(walls);
   const auto samples = sample_walls(walls, solids, kSpacing);
-  for (const Vec3& s : samples) expect_at_depth(solids, s);
+  for (const WallSample& s : samples) expect_at_depth(solids, s.position);
   double nearest = 1;
   for (std::size_t a = 0; a < samples.size(); ++a)
     for (std::size_t b = a + 1; b < samples.size(); ++b)
-      nearest = std::min(nearest, (samples[a] - samples[b]).norm());
+      nearest = std::min(nearest, (samples[a].position - samples[b].position).norm());
   EXPECT_GE(nearest, 0.6 * kSpacing * (1 - 1e-12));
   // No hole: every point of the layer has a sample near.
   std::mt19937 random(3);
@@ -82,7 +83,7 @@ TEST(WallSamples, CoverTheLayerEvenly) {
     Vec3 x = lower + Vec3(uniform(random), uniform(random), uniform(random)).cwiseProduct(upper - lower);
     x[k % 3] = k % 2 ? lower[k % 3] : upper[k % 3];
     double gap = 1;
-    for (const Vec3& s : samples) gap = std::min(gap, (s - x).norm());
+    for (const WallSample& s : samples) gap = std::min(gap, (s.position - x).norm());
     EXPECT_LT(gap, 0.8 * kSpacing) << x.transpose();
   }
 }
@@ -91,7 +92,7 @@ TEST(WallSamples, LeaveOutFacesThatAnotherSolidCovers) {
   const std::vector<TriangleSurface> walls{box_surface({0, 0, 0}, {0.6, 0.6, 0.6}),
                                            box_surface({0.3, 0, 0}, {0.9, 0.6, 0.6})};
   const auto solids = distances(walls);
-  for (const Vec3& s : sample_walls(walls, solids, kSpacing)) expect_at_depth(solids, s);
+  for (const WallSample& s : sample_walls(walls, solids, kSpacing)) expect_at_depth(solids, s.position);
 }
 
 TEST(WallSamples, RejectAWallThatIsTooThin) {
@@ -125,18 +126,103 @@ TEST(Walls, LatticeHalfASpacingOffIsAtRestDensity) {
   EXPECT_LT(density_above_wall(1.4 * kSpacing), 0.88);
 }
 
-TEST(Walls, FrictionIsSymmetricAndConfinedToTheContact) {
+TEST(Walls, FrictionIsConfinedToTheContact) {
   const std::vector<TriangleSurface> walls{box_surface({-1, -0.5, -1}, {2, 0, 2})};
   const auto samples = sample_walls(walls, distances(walls), kSpacing);
   const std::vector<Vec3> points{Vec3(0.5, 0.02, 0.5), Vec3(0.5, 0.3, 0.5)};
   const test::Liquid liquid(points, points, static_cast<float>(kSpacing), samples);
-  for (std::size_t i = 0; i < 2; ++i) {
-    const Eigen::Matrix3f friction = liquid.wall_sums.friction[i].topRows<3>();
-    EXPECT_TRUE(friction.isApprox(friction.transpose()) || friction.isZero());
-    const bool near = liquid.particles.id[i] == 0;
-    EXPECT_EQ(static_cast<bool>(liquid.wall_sums.touches[i]), near);
-    EXPECT_EQ(friction.isZero(), !near);
+  const WallSums& sums = liquid.wall_sums;
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(sums.touches(i), liquid.particles.id[i] == 0);
+  ASSERT_EQ(sums.friction.size(), 1u);
+  EXPECT_LT((sums.friction[0].head<3>() - Eigen::Vector3f::UnitY()).norm(), 1e-5f);
+  EXPECT_TRUE(sums.velocity.empty());
+}
+
+// g = 1 / (spacing d) at the distance d from a flat wall, in the mean over places.
+TEST(Walls, FrictionFollowsTheDistanceWhereLiquidRests) {
+  const std::vector<TriangleSurface> walls{box_surface({-1, -0.5, -1}, {2, 0, 2})};
+  const auto samples = sample_walls(walls, distances(walls), kSpacing);
+  for (const double distance : {0.4, 0.5, 0.6}) {
+    std::vector<Vec3> points = test::block({0, 0, 0}, {1, kSpacing, 1}, kSpacing);
+    for (Vec3& x : points) x.y() = distance * kSpacing;
+    const test::Liquid liquid(points, points, static_cast<float>(kSpacing), samples);
+    double mean = 0;
+    for (const Vec4f& f : liquid.wall_sums.friction)
+      mean += static_cast<double>(f[3]) / static_cast<double>(points.size());
+    EXPECT_NEAR(mean * kSpacing * kSpacing * distance, 1, 0.07) << distance;
   }
+}
+
+// The far side of a wall is not felt: neither by the samples' volumes nor by the liquid.
+TEST(Walls, AThinWallIsAsGoodAsAThickOne) {
+  std::array<double, 2> mean{};
+  for (const bool thin : {true, false}) {
+    const double thickness = thin ? 1.01 * kThinnestWall * kSpacing : 0.5;
+    const std::vector<TriangleSurface> walls{box_surface({-1, -thickness, -1}, {2, 0, 2})};
+    const auto points = test::block({0, 0, 0}, {1, 0.3, 1}, kSpacing);
+    const test::Liquid liquid(points, points, static_cast<float>(kSpacing),
+                              sample_walls(walls, distances(walls), kSpacing));
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if (liquid.wall_sums.touches(i)) mean[thin] += static_cast<double>(liquid.particles.density[i]) / 400;
+  }
+  EXPECT_NEAR(mean[true], mean[false], 2e-3);
+}
+
+RigidMotion turning() {
+  RigidMotion motion;
+  motion.keys = {{0, Vec3(0.2, -0.1, 0.4), 0.7}};
+  motion.axis = Vec3(2, 1, 2) / 3;
+  motion.point = Vec3(0.3, 0.5, 0.1);
+  return motion;
+}
+
+// A body that has moved acts as one that was built where it is.
+TEST(Walls, AMovedBodyIsFeltWhereItIs) {
+  const std::vector<TriangleSurface> walls{box_surface({0, -0.3, 0}, {0.6, 0, 0.6})};
+  const RigidMotion motion = turning();
+  const double time = 1.3;
+  auto samples = sample_walls(walls, distances(walls), kSpacing);
+  std::vector<Vec3> points = test::block({0, 0, 0}, {0.6, 0.1, 0.6}, kSpacing);
+  for (Vec3& x : points) x = motion.pose(time) * x;
+  test::Liquid moving(points, points, static_cast<float>(kSpacing), samples, motion);
+  moving.walls.move_to(time);
+  moving.update();
+  for (WallSample& s : samples) s = {motion.pose(time) * s.position, motion.pose(time).rotation * s.normal};
+  const test::Liquid placed(points, points, static_cast<float>(kSpacing), samples);
+  ASSERT_GT(moving.wall_sums.friction.size(), 100u);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    EXPECT_NEAR(moving.particles.density[i], placed.particles.density[i], 1e-3f);
+    EXPECT_LT((moving.particles.gradient_sum[i] - placed.particles.gradient_sum[i]).norm(), 1e-2f);
+    ASSERT_EQ(moving.wall_sums.touches(i), placed.wall_sums.touches(i));
+    if (!placed.wall_sums.touches(i)) continue;
+    const Vec4f u(1, 2, 3, 0);
+    const Vec4f difference = moving.wall_sums.drag(i, u) - placed.wall_sums.drag(i, u);
+    EXPECT_LT(difference.norm(), 1e-3f * placed.wall_sums.drag(i, u).norm() + 0.1f);
+  }
+  EXPECT_GE(moving.walls.fastest(),
+            motion.velocity(time).at(motion.pose(time) * Vec3(0.6, -0.3, 0.6)).norm() - 0.1);
+}
+
+// The rate of density that a moving wall causes, against the difference of densities; liquid at rest.
+TEST(Walls, DensityRateMatchesFiniteDifferences) {
+  const std::vector<TriangleSurface> walls{box_surface({0, -0.3, 0}, {0.6, 0, 0.6})};
+  const auto points = test::block({0, 0, 0}, {0.6, 0.1, 0.6}, kSpacing);
+  test::Liquid liquid(points, points, static_cast<float>(kSpacing),
+                      sample_walls(walls, distances(walls), kSpacing), turning());
+  const float step = 2e-3f;
+  std::vector<float> rate, before, after;
+  for (std::size_t i = 0; i < points.size(); ++i) rate.push_back(liquid.wall_sums.density_rate(i));
+  for (const float time : {-step, step}) {
+    liquid.walls.move_to(static_cast<double>(time));
+    liquid.update();
+    (time < 0 ? before : after) = liquid.particles.density;
+  }
+  float largest = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    EXPECT_NEAR(rate[i], (after[i] - before[i]) / (2 * step), 0.02f);
+    largest = std::max(largest, std::abs(rate[i]));
+  }
+  EXPECT_GT(largest, 1);
 }
 
 }  // namespace

@@ -94,7 +94,7 @@ struct Column {
   static FluidSolver make(double viscosity) {
     FluidOptions o = options(kSpacing);
     o.kinematic_viscosity = viscosity;
-    o.boundary_viscosity = 0;
+    o.slip_length = std::numeric_limits<double>::infinity();
     const auto points = block(Vec3::Zero(), {kWidth, kHeight, kWidth}, kSpacing);
     return FluidSolver(o, points, uniform(points.size(), Vec3(0, 0, 0)), test::container(kWidth, 0.8, 0.2));
   }

@@ -25,10 +25,10 @@ FluidOptions options(double tolerance) {
   return o;
 }
 
-std::vector<Vec3> wall_below() {
-  std::vector<Vec3> wall;
+std::vector<WallSample> wall_below() {
+  std::vector<WallSample> wall;
   for (double x = -0.6; x < 0.6; x += 0.07)
-    for (double z = -0.6; z < 0.6; z += 0.07) wall.emplace_back(x, -0.37, z);
+    for (double z = -0.6; z < 0.6; z += 0.07) wall.push_back({Vec3(x, -0.37, z), Vec3::UnitY()});
   return wall;
 }
 
@@ -42,7 +42,7 @@ Liquid collapsing() {
 
 PressureSolve correct_density(Liquid& liquid, PressureSolver& solver) {
   solver.apply_last(liquid.particles, liquid.lists, kTimeStep);
-  return solver.correct_density(liquid.particles, liquid.lists, kTimeStep);
+  return solver.correct_density(liquid.particles, liquid.lists, liquid.wall_sums, kTimeStep);
 }
 
 TEST(Pressure, DensityRateMatchesFiniteDifferences) {
@@ -115,7 +115,7 @@ TEST(Pressure, DensitySolveEndsAtTheComplementaryPoint) {
 TEST(Pressure, DivergenceSolveStopsCompressionOfDenseLiquidOnly) {
   Liquid liquid = collapsing();
   PressureSolver solver(options(1e-6));
-  solver.correct_divergence(liquid.particles, liquid.lists, kTimeStep);
+  solver.correct_divergence(liquid.particles, liquid.lists, liquid.wall_sums, kTimeStep);
   for (std::size_t i = 0; i < liquid.particles.size(); ++i) {
     const float rate = kTimeStep * density_rate(i, liquid.particles, liquid.lists, liquid.particles.velocity);
     EXPECT_LT(rate, std::max(0.0f, 1 - liquid.particles.density[i]) + 2e-4f);
@@ -162,7 +162,7 @@ TEST(Pressure, LoneParticlesFeelNone) {
   Liquid liquid(points, {Vec3(1, 2, 3), Vec3(-1, 0, 0)}, kSpacing);
   PressureSolver solver(options(1e-4));
   correct_density(liquid, solver);
-  solver.correct_divergence(liquid.particles, liquid.lists, kTimeStep);
+  solver.correct_divergence(liquid.particles, liquid.lists, liquid.wall_sums, kTimeStep);
   for (std::size_t i = 0; i < 2; ++i)
     EXPECT_EQ(liquid.particles.velocity[i],
               liquid.particles.id[i] == 0 ? Vec4f(1, 2, 3, 0) : Vec4f(-1, 0, 0, 0));

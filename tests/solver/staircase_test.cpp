@@ -21,7 +21,7 @@ TEST_P(Staircase, KeepsDensityAndWalls) {
   const Case c = GetParam();
   FluidOptions o;
   o.spacing = c.spacing;
-  o.kinematic_viscosity = o.boundary_viscosity = c.viscosity;
+  o.kinematic_viscosity = c.viscosity;
   const auto walls = test::stairs(4, 0.2, 0.5, 1.6);
   const std::vector<SolidDistance> solids(walls.begin(), walls.end());
   const auto points = test::block({-0.9, 0.8, -0.48}, {-0.1, 1.44, 0.48}, c.spacing);
@@ -30,7 +30,7 @@ TEST_P(Staircase, KeepsDensityAndWalls) {
   while (solver.time() < c.duration) {
     const FluidStep step = solver.step(c.duration - solver.time());
     ASSERT_LT(step.density_error_mean, 1e-3) << "at " << solver.time();
-    ASSERT_LT(step.density_error_max, 0.05) << "at " << solver.time();
+    ASSERT_LT(step.density_error_max, 0.06) << "at " << solver.time();
     // Nothing gains more than free fall from where it started gives.
     ASSERT_LT(step.fastest, 1.2 + 9.81 * solver.time() + 0.5) << "at " << solver.time();
     for (const Vec3& x : solver.particles().position)

@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "tests/solver/liquid.h"
@@ -22,7 +23,7 @@ FluidOptions options(double viscosity, double tolerance) {
   FluidOptions o;
   o.spacing = static_cast<double>(kSpacing);
   o.kinematic_viscosity = viscosity;
-  o.boundary_viscosity = 0.5 * viscosity;
+  o.slip_length = 0.05;
   o.viscosity_tolerance = tolerance;
   o.max_viscosity_iterations = 500;
   return o;
@@ -37,9 +38,9 @@ std::vector<Vec3> swirling(const std::vector<Vec3>& points) {
 
 Liquid blob_near_wall() {
   const auto points = test::blob(0.25, static_cast<double>(kSpacing));
-  std::vector<Vec3> wall;
+  std::vector<WallSample> wall;
   for (double x = -0.4; x < 0.4; x += 0.08)
-    for (double z = -0.4; z < 0.4; z += 0.08) wall.emplace_back(x, -0.33, z);
+    for (double z = -0.4; z < 0.4; z += 0.08) wall.push_back({Vec3(x, -0.33, z), Vec3::UnitY()});
   return Liquid(points, swirling(points), kSpacing, wall);
 }
 
@@ -129,20 +130,19 @@ TEST(Viscosity, ConservesLinearAndAngularMomentumAtALooseTolerance) {
   EXPECT_GT((liquid.particles.velocity[0] - velocity[0]).norm(), 0.05) << "nothing happened";
 }
 
-// nu lap v for the parabolic shear v = a (b . x)^2, a and b orthonormal, is 2 nu a. A lattice is not
-// isotropic (0.70 along its axes, 1.23 at 45 degrees); the mean over all directions must be right.
-TEST(Viscosity, OperatorIsTheLaplacianInTheMeanOverDirections) {
+// nu lap v for the parabolic shear v = a (b . x)^2, a and b orthonormal, is 2 nu a, in every direction, on
+// the lattice with which liquid starts.
+TEST(Viscosity, OperatorIsTheLaplacianOnALattice) {
   const double nu = 0.7;
   const auto points = test::block({-0.25, -0.25, -0.25}, {0.25, 0.25, 0.25}, static_cast<double>(kSpacing));
   std::mt19937 random(1);
   std::normal_distribution<double> normal;
   const auto direction = [&] { return Vec3(normal(random), normal(random), normal(random)).normalized(); };
-  double mean = 0;
-  const int directions = 4000;
   Liquid liquid(points, points, kSpacing);
   std::vector<Vec4f> image;
-  for (int k = 0; k < directions; ++k) {
-    const Vec3 a = direction(), b = a.cross(direction()).normalized();
+  for (int k = 0; k < 50; ++k) {
+    const Vec3 a = k == 0 ? Vec3::UnitX() : direction(),
+               b = a.cross(k == 0 ? Vec3::UnitZ() : direction()).normalized();
     std::size_t center = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
       const Vec3 x = liquid.particles.position[i].head<3>().cast<double>();
@@ -152,31 +152,68 @@ TEST(Viscosity, OperatorIsTheLaplacianInTheMeanOverDirections) {
     ViscositySolver(options(nu, 1e-3))
         .apply(liquid.particles, liquid.lists, liquid.wall_sums, 1, liquid.particles.velocity, image);
     const Vec4f acceleration = liquid.particles.velocity[center] - image[center];
-    mean += acceleration.head<3>().cast<double>().dot(a) / (2 * nu) / directions;
+    EXPECT_LT((acceleration - padded(2 * nu * a)).norm(), 1e-3 * 2 * nu)
+        << a.transpose() << ", " << b.transpose();
   }
-  EXPECT_NEAR(mean, 1, 0.05);
 }
 
-TEST(Viscosity, WallsBrakeAndFreeSlipDoesNot) {
-  const auto points = test::block({-0.2, 0, -0.2}, {0.2, 0.2, 0.2}, static_cast<double>(kSpacing));
-  std::vector<Vec3> wall;
-  for (double x = -0.5; x < 0.5; x += 0.06)
-    for (double z = -0.5; z < 0.5; z += 0.06) wall.emplace_back(x, -0.06, z);
-  const std::vector<Vec3> sliding(points.size(), Vec3(1, 0, 0));
-  for (const double boundary : {0.0, 0.1, 1.0}) {
-    FluidOptions o = options(1, 1e-5);
-    o.boundary_viscosity = boundary;
-    Liquid liquid(points, sliding, kSpacing, wall);
-    ViscositySolver(o).solve(liquid.particles, liquid.lists, liquid.wall_sums, kTimeStep);
-    double mean = 0;
-    for (const Vec4f& v : liquid.particles.velocity)
-      mean += static_cast<double>(v.x()) / static_cast<double>(points.size());
-    if (boundary == 0)
-      EXPECT_NEAR(mean, 1, 1e-5);
-    else
-      EXPECT_LT(mean, 1 - 0.1 * boundary);
-    EXPECT_GT(mean, 0);
+// For particles anywhere with the mean density 1 / spacing^3 the sum over neighbours is an integral, and its
+// (x y)^2 moment that of the Laplacian: sum_j c x^2 y^2 = 4 pi / 15 int c r^6 dr / spacing^3 = 2.
+TEST(Viscosity, WeightIsNormalisedInTheContinuum) {
+  const float support = 2;
+  double sum = 0, least = 1;
+  const int n = 2000;
+  for (int k = 0; k < n; ++k) {
+    const double r = 2 * (k + 0.5) / n;
+    const double c = static_cast<double>(viscosity_weight(static_cast<float>(r * r), support));
+    sum += 4 * M_PI / 15 * c * std::pow(r, 6) * 2 / n;
+    least = std::min(least, c);
   }
+  EXPECT_NEAR(sum, 2, 1e-4);
+  EXPECT_GE(least, 0);
+}
+
+/// A layer of liquid half a spacing above a wall whose particles are those of sample_walls().
+Liquid sliding_layer(const Vec3& velocity, const RigidMotion& motion = {}) {
+  const double h = static_cast<double>(kSpacing);
+  const std::vector<TriangleSurface> walls{test::box_surface({-2, -1, -2}, {2, 0, 2})};
+  const std::vector<SolidDistance> solids(walls.begin(), walls.end());
+  const auto points = test::block({-1, 0, -1}, {1, h, 1}, h);
+  return Liquid(points, std::vector<Vec3>(points.size(), velocity), kSpacing, sample_walls(walls, solids, h),
+                motion);
+}
+
+double mean_speed(const Liquid& liquid, int axis) {
+  double mean = 0;
+  for (const Vec4f& v : liquid.particles.velocity)
+    mean += static_cast<double>(v[axis]) / static_cast<double>(liquid.particles.size());
+  return mean;
+}
+
+// The layer feels the stress nu v / (h/2 + slip) over its thickness h: in an implicit step dt its speed falls
+// to 1 / (1 + dt nu / (h (h/2 + slip))). Wall particles are irregular, and so is the speed within the layer:
+// 3 percent.
+TEST(Viscosity, FrictionIsTheShearStressAtTheWallsSurface) {
+  const double h = static_cast<double>(kSpacing), nu = 3;
+  for (const double slip : {0.0, 0.3 * h, 5 * h, std::numeric_limits<double>::infinity()}) {
+    FluidOptions o = options(nu, 1e-5);
+    o.slip_length = slip;
+    Liquid liquid = sliding_layer(Vec3(1, 0, 0));
+    ViscositySolver(o).solve(liquid.particles, liquid.lists, liquid.wall_sums, kTimeStep);
+    const double rate = static_cast<double>(kTimeStep) * nu / (h * (h / 2 + slip));
+    EXPECT_NEAR(mean_speed(liquid, 0), 1 / (1 + rate), 0.03 * rate / (1 + rate) + 1e-6) << slip;
+  }
+}
+
+TEST(Viscosity, WallsDoNotHoldLiquidThatLeavesOrMovesWithThem) {
+  Liquid leaving = sliding_layer(Vec3(0, 1, 0));
+  ViscositySolver(options(3, 1e-5)).solve(leaving.particles, leaving.lists, leaving.wall_sums, kTimeStep);
+  EXPECT_NEAR(mean_speed(leaving, 1), 1, 1e-5);
+  RigidMotion motion;
+  motion.keys = {{0, Vec3(1, 0, -2), 0}};
+  Liquid carried = sliding_layer(Vec3(1, 0, -2), motion);
+  ViscositySolver(options(3, 1e-5)).solve(carried.particles, carried.lists, carried.wall_sums, kTimeStep);
+  for (const Vec4f& v : carried.particles.velocity) EXPECT_LT((v - Vec4f(1, 0, -2, 0)).norm(), 1e-5);
 }
 
 }  // namespace
