@@ -18,6 +18,7 @@ constexpr double kMaxLength = 1e6;     // [m]
 constexpr double kMaxSpeed = 1e4;      // [m/s]
 constexpr double kMaxDensity = 1e6;    // [kg/m3]
 constexpr double kMaxViscosity = 1e9;  // [m2/s]
+constexpr double kMaxTension = 1e6;    // [N/m]
 constexpr double kMaxTime = 1e6;       // [s]
 constexpr double kMaxFrames = 1e6;
 constexpr int kMaxIterations = 100000;
@@ -182,6 +183,8 @@ void read_fluid(TomlTable t, Scene& scene) {
   const std::optional<double> viscosity = read_viscosity(t, fluid.density);
   fluid.slip_length = t.number_or("free", "slip_length", non_negative("m", kMaxLength), fluid.slip_length)
                           .value_or(std::numeric_limits<double>::infinity());
+  fluid.surface_tension =
+      t.number("surface_tension", non_negative("N/m", kMaxTension), fluid.surface_tension);
   fluid.gravity = t.vector("gravity", "m/s2", fluid.gravity);
   std::vector<TomlTable> emitters = t.tables("emitter"), blocks = t.tables("block", emitters.empty());
   t.finish();

@@ -1,5 +1,6 @@
 #include "solver/boundary.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>

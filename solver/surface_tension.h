@@ -1,5 +1,6 @@
-// Surface tension as a central pair force: the cohesion of Akinci, Akinci & Teschner, "Versatile surface
-// tension and adhesion for SPH fluids" (2013), with its strength from the theory of liquids.
+// Surface tension: an area that costs energy, and a cohesion that keeps the surface together; both as Akinci,
+// Akinci & Teschner, "Versatile surface tension and adhesion for SPH fluids" (2013) have them, but from
+// potentials.
 #pragma once
 
 #include "solver/fluid_particles.h"
@@ -8,17 +9,20 @@
 
 namespace kappaflow {
 
-/// Pulls neighbours together with the force m a C(r) along their connection, C of Akinci et al. 2013, Eq. 2:
-/// with q = r / support, q^3 (1-q)^3 for q > 1/2 and 2 q^3 (1-q)^3 - 1/64 below, where close particles repel.
+/// The accelerations of the potential energy kArea sigma A + kCohesion E per density, where
+/// - A = sum_i V (sqrt(|n_i|^2 + eps^2) - eps) is the area of the surface that the particles smooth, with n_i
+///   = sum_j V grad W_ij; a particle feels -sum_j V grad grad W_ij (m_i - m_j) with m = n / sqrt(n^2 +
+///   eps^2). Akinci et al. use n_i - n_j itself, which has no potential.
+/// - E has the pair forces C(r) along x_ij of Akinci et al. 2013, Eq. 2: with q = r / support, q^3 (1-q)^3
+/// for
+///   q > 1/2 and 2 q^3 (1-q)^3 - 1/64 below, where close particles repel. Their strength is the one with
+///   which a uniform liquid of such pairs has the tension sigma (Fowler, "A tentative statistical theory of
+///   Macleod's equation for surface tension", 1937): sigma = pi/8 n^2 int r^4 F(r) dr.
+/// The area alone lets single layers of particles fly off, for they have no n; the cohesion alone presses a
+/// liquid of so few neighbours into a crystal that does not flow. An energy that does not change when the
+/// liquid moves as a rigid body gives forces that conserve linear and angular momentum to rounding.
 ///
-/// A liquid of n particles per volume whose pairs attract with F(r) has the surface tension pi/8 n^2 int r^4
-/// F(r) dr, if it is uniform up to its surface (Fowler, "A tentative statistical theory of Macleod's equation
-/// for surface tension", 1937); that gives a, up to kStructure for the order that the particles have.
-///
-/// Akinci et al. add a force along the difference of two particles' normals, which is not central. It is left
-/// out: without it the pair forces have a potential, whose excess at a surface is what makes area cost
-/// energy, and linear and angular momentum are both conserved to rounding. There is no force between liquid
-/// and walls, so liquid does not wet them.
+/// Walls count in n, so that liquid has no surface towards them; they neither attract nor repel.
 class SurfaceTension {
  public:
   explicit SurfaceTension(const FluidOptions& options);
@@ -27,8 +31,12 @@ class SurfaceTension {
   void apply(FluidParticles& particles, const NeighbourLists& lists, float time_step) const;
 
  private:
-  float support_;
-  float strength_;  // a [m/s2]
+  /// Precondition: m of every particle in scratch[0].
+  Vec4f acceleration(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists) const;
+
+  float inverse_support_;                    // [1/m]
+  float least_gradient_;                     // eps [1/m]
+  float area_strength_, cohesion_strength_;  // [m/s2]; 0: no tension
 };
 
 /// The longest step in which the shortest capillary wave, two spacings long, is resolved (Brackbill, Kothe &

@@ -82,7 +82,7 @@ TEST(GoodScenes, EveryKeyArrives) {
   EXPECT_EQ(fluid.spacing, 0.25);
   EXPECT_EQ(fluid.density, 1200);
   EXPECT_DOUBLE_EQ(fluid.kinematic_viscosity, 2.0);  // 2400 Pa s / 1200 kg/m3
-  EXPECT_EQ(fluid.boundary_viscosity, 0.5);
+  EXPECT_EQ(fluid.slip_length, 0.05);
   EXPECT_EQ(fluid.gravity, Vec3(0, 0, -9));
   EXPECT_EQ(fluid.cfl, 0.3);
   EXPECT_EQ(fluid.min_time_step, 1e-5);

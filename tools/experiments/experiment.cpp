@@ -6,6 +6,7 @@
 #include <array>
 
 #include "core/errors.h"
+#include "tools/experiments/conservation.h"
 #include "tools/experiments/enright.h"
 #include "tools/experiments/fig9.h"
 #include "tools/experiments/hydrostatic.h"
@@ -102,6 +103,12 @@ std::span<const Experiment> experiments() {
                  experiment_enright_exact, "", false},
       Experiment{"validate-hydrostatic", "experiments/validate-hydrostatic.toml",
                  "liquid at rest in a basin: pressure and level", validate_hydrostatic},
+      Experiment{"validate-drop", "experiments/validate-drop.toml",
+                 "a spinning drop: linear and angular momentum", validate_drop},
+      Experiment{"validate-basin", "experiments/validate-basin.toml",
+                 "liquid at rest over a step: speeds and kinetic energy", validate_basin},
+      Experiment{"validate-falling", "experiments/validate-falling.toml",
+                 "thin liquid falls off stairs: speeds against free fall", validate_falling},
   };
   return table;
 }
