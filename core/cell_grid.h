@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numeric>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -35,7 +36,20 @@ class CellGrid {
   /// The cell of the k-th point in cell order.
   std::uint32_t cell_at(std::size_t k) const { return cell_of_[order_[k]]; }
 
-  /// Likewise for every point within build()'s cell_size of any point of the cell: at most 9 runs.
+  std::size_t cells() const { return static_cast<std::size_t>(dims_[0]) * dims_[1] * dims_[2]; }
+
+  /// The cell that holds x; nothing where x is outside the grid.
+  template <class Point>
+  std::optional<std::uint32_t> cell_holding(const Point& x) const {
+    std::array<int, 3> c;
+    for (int a = 0; a < 3; ++a) {
+      c[a] = clamped_cell(static_cast<double>(x[a]), a);
+      if (c[a] < 0 || c[a] >= dims_[a]) return std::nullopt;
+    }
+    return index_of(c);
+  }
+
+  /// As ranges_near(), for every point within build()'s cell_size of any point of the cell: at most 9 runs.
   template <class Visit>
   void ranges_around(std::uint32_t cell, const Visit& visit) const;
 
@@ -50,6 +64,10 @@ class CellGrid {
   int clamped_cell(double x, int axis) const {
     const double cell = std::floor((x - lower_[axis]) * inverse_cell_size_);
     return static_cast<int>(std::clamp(cell, -1.0, static_cast<double>(dims_[axis])));
+  }
+
+  std::uint32_t index_of(const std::array<int, 3>& c) const {
+    return static_cast<std::uint32_t>((static_cast<std::size_t>(c[2]) * dims_[1] + c[1]) * dims_[0] + c[0]);
   }
 
   Vec3 lower_ = Vec3::Zero();
@@ -99,8 +117,7 @@ void CellGrid::build(std::span<const Point> points, double cell_size) {
     std::array<int, 3> c;
     for (int a = 0; a < 3; ++a)
       c[a] = std::clamp(clamped_cell(static_cast<double>(points[i][a]), a), 0, dims_[a] - 1);
-    cell_of_[i] =
-        static_cast<std::uint32_t>((static_cast<std::size_t>(c[2]) * dims_[1] + c[1]) * dims_[0] + c[0]);
+    cell_of_[i] = index_of(c);
   });
 
   sort_by_cell();
@@ -108,8 +125,7 @@ void CellGrid::build(std::span<const Point> points, double cell_size) {
 
 // Counting sort on one thread: it is bound by memory, and atomic counters on several were slower.
 inline void CellGrid::sort_by_cell() {
-  const std::size_t cells = static_cast<std::size_t>(dims_[0]) * dims_[1] * dims_[2];
-  cell_start_.assign(cells + 1, 0);
+  cell_start_.assign(cells() + 1, 0);
   for (const std::uint32_t cell : cell_of_) ++cell_start_[cell + 1];
   std::partial_sum(cell_start_.begin(), cell_start_.end(), cell_start_.begin());
   order_.resize(cell_of_.size());

@@ -94,6 +94,11 @@ Walls::Body Walls::make_body(const WallBody& wall) const {
     volume[b] = full / sum;
   });
   for (std::size_t b = 0; b < points.size(); ++b) body.position[b][3] = volume[b];
+  body.near.resize(body.grid.cells());
+  parallel_for(body.near.size(), [&](std::size_t cell) {
+    body.grid.ranges_around(static_cast<std::uint32_t>(cell),
+                            [&](std::uint32_t, std::uint32_t) { body.near[cell] = true; });
+  });
   return body;
 }
 
@@ -123,6 +128,8 @@ Walls::Contact Walls::contact(const Body& body, const Vec4f& x) const {
   const Vec4f rest = moving ? padded(body.pose.inverse(world)) : x;
   const float support = kernel_.support();
   Contact sum;
+  const auto cell = body.grid.cell_holding(rest);
+  if (cell && !body.near[*cell]) return sum;
   body.grid.ranges_near(rest, static_cast<double>(support), [&](std::uint32_t begin, std::uint32_t end) {
     for (std::uint32_t b = begin; b < end; ++b) {
       Vec4f d = rest - body.position[b];

@@ -77,6 +77,7 @@ class Walls {
 
   struct Body {
     CellGrid grid;
+    std::vector<char> near;       // by cell of the grid: whether it or a cell beside it holds a sample
     std::vector<Vec4f> position;  // at t = 0, in cell order; w: volume [m3]
     std::vector<Eigen::Vector3f> normal;
     RigidMotion motion;
