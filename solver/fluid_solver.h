@@ -38,6 +38,16 @@ struct FluidOptions {
   int max_viscosity_iterations = 100;
 };
 
+/// Wall time of the phases of a step [s].
+struct SolverSeconds {
+  double neighbours = 0;  ///< sorting and search
+  double walls = 0;
+  double viscosity = 0;
+  double density = 0;     ///< the constant-density solve, and the last one's pressure
+  double divergence = 0;  ///< the divergence-free solve
+  double step = 0;        ///< all of these and the rest
+};
+
 /// What one time step did.
 struct FluidStep {
   double time_step = 0;  ///< [s]
@@ -47,6 +57,14 @@ struct FluidStep {
   double density_error_mean = 0;  ///< mean of max(rho/rho0 - 1, 0) over the particles [1]
   double density_error_max = 0;   ///< maximum likewise [1]
   double fastest = 0;             ///< largest particle speed [m/s]
+  SolverSeconds seconds;
+};
+
+/// What the solver's arrays take [bytes].
+struct SolverMemory {
+  std::size_t fluid = 0;  ///< of the particles of liquid, with all that is kept for them
+  std::size_t walls = 0;  ///< of the wall particles
+  std::size_t wall_particles = 0;
 };
 
 /// A viscous liquid between rigid walls.
@@ -73,6 +91,7 @@ class FluidSolver {
   double time() const;                       ///< [s]
   std::size_t size() const;                  ///< particles; grows where there are emitters
   Particles particles() const;               ///< now, sorted by id
+  SolverMemory memory() const;
   std::vector<float> densities() const;      ///< by id [kg/m3]
   std::vector<float> pressures() const;      ///< by id [Pa]
   std::vector<std::uint8_t> fluids() const;  ///< by id, which fluid

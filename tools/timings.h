@@ -1,21 +1,11 @@
 // Wall times, and the numbers of timings.csv.
 #pragma once
 
-#include <chrono>
 #include <string>
 
+#include "core/stopwatch.h"
+
 namespace kappaflow {
-
-/// Seconds since it was made.
-class Stopwatch {
- public:
-  double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 /// Wall time of one method between two frames, or of a whole run [s]. The fields that all methods share are
 /// evaluated when the first method asks for them, so they count to its velocity.

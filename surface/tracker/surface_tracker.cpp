@@ -1,22 +1,12 @@
 #include "surface/tracker/surface_tracker.h"
 
 #include <algorithm>
-#include <chrono>
 
+#include "core/stopwatch.h"
 #include "surface/mesh/mesh_measures.h"
 #include "surface/tracker/mobility.h"
 
 namespace kappaflow {
-namespace {
-
-template <class Work>
-double seconds_of(const Work& work) {
-  const auto start = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-}  // namespace
 
 SurfaceTracker::SurfaceTracker(TriangleMesh initial_mesh, const TrackerOptions& options)
     : options_(options),

@@ -1,0 +1,27 @@
+// Wall time.
+#pragma once
+
+#include <chrono>
+
+namespace kappaflow {
+
+/// Seconds since it was made.
+class Stopwatch {
+ public:
+  double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// How long work() takes [s].
+template <class Work>
+double seconds_of(const Work& work) {
+  const Stopwatch watch;
+  work();
+  return watch.seconds();
+}
+
+}  // namespace kappaflow

@@ -1,0 +1,23 @@
+// `kappaflow benchmark`: how fast the solver is on a scene, phase by phase.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace kappaflow {
+
+struct BenchmarkOptions {
+  std::filesystem::path scene;
+  std::vector<std::size_t> particles;  ///< sizes to try; empty: the scene's own
+  std::vector<int> threads;            ///< to try
+  int warm_up = 5, steps = 20;         ///< solver steps that are not measured, and that are
+  std::filesystem::path csv;           ///< empty: none
+};
+
+/// Runs the scene's liquid at every size with every number of threads and returns a table: time a step and by
+/// phase, iterations, particle steps a second, seconds a simulated second, bytes a particle. A size is reached
+/// by another particle spacing, everything else stays. Writes the same as CSV. Throws as FluidSolver does.
+std::string benchmark(const BenchmarkOptions& options);
+
+}  // namespace kappaflow
