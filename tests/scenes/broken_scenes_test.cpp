@@ -152,7 +152,7 @@ TEST(GoodScenes, EveryKeyArrives) {
   EXPECT_EQ(mesh.file, source_file("tests/data/meshes/cube.obj"));
   EXPECT_EQ(mesh.scale, 0.5);
   EXPECT_EQ(mesh.translation, Vec3(0, 5, 0));
-  EXPECT_EQ(scene.walls[2].where.line, 39);
+  EXPECT_EQ(scene.walls[2].where.line, 60);
 }
 
 TEST(GoodScenes, EverySurfaceAndOutputKeyArrives) {

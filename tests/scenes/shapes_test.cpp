@@ -140,8 +140,7 @@ TEST(FillBlocks, LeavesOutWhatIsInOrNearAWall) {
   EXPECT_EQ(fill_blocks(scene).position.size(), 1000u);
   add_wall(scene, BoxShape{Vec3(-1, -1, -1), Vec3(2, 0, 2)});  // touches: stays whole
   EXPECT_EQ(fill_blocks(scene).position.size(), 1000u);
-  scene.walls.push_back(
-      {BoxShape{Vec3(-1, 0.47, -1), Vec3(2, 2, 2)}, {}});  // layers at 0.45 and above are too near
+  add_wall(scene, BoxShape{Vec3(-1, 0.47, -1), Vec3(2, 2, 2)});  // layers at 0.45 and above are too near
   const FluidParticlesAtStart start = fill_blocks(scene);
   EXPECT_EQ(start.position.size(), 400u);
   for (const Vec3& x : start.position) EXPECT_LT(x.y(), 0.36);
@@ -153,10 +152,8 @@ TEST(FillBlocks, LeavesOutWhatAnEarlierBlockFilled) {
   Scene scene;
   scene.fluid.spacing = 0.1;
   add_block(scene, BoxShape{Vec3(0, 0, 0), Vec3(1, 1, 1)}, Vec3(1, 0, 0));
-  scene.blocks.push_back(
-      {BoxShape{Vec3(0.5, 0, 0), Vec3(1.5, 1, 1)}, Vec3(0, 1, 0), {}});  // half of it is filled
-  scene.blocks.push_back(
-      {SphereShape{Vec3(0.77, 0.52, 0.49), 0.9}, Vec3(0, 0, 1), {}});  // on another lattice
+  add_block(scene, BoxShape{Vec3(0.5, 0, 0), Vec3(1.5, 1, 1)}, Vec3(0, 1, 0));  // half of it is filled
+  add_block(scene, SphereShape{Vec3(0.77, 0.52, 0.49), 0.9}, Vec3(0, 0, 1));    // on another lattice
   const FluidParticlesAtStart start = fill_blocks(scene);
   ASSERT_GT(start.position.size(), 1500u);
   EXPECT_EQ(start.velocity[999], Vec3(1, 0, 0));
