@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "core/errors.h"
+#include "scenes/shapes.h"
 #include "surface/tracker/initial_mesh.h"
 
 namespace kappaflow {
@@ -19,14 +21,23 @@ FluidSolver make_fluid(const Scene& scene, std::span<const TriangleSurface> wall
   return {scene.fluid, start.position, start.velocity, walls, {}, start.fluid};
 }
 
+/// A cube of liquid of which more than half is further than sigma from the faces. The liquid with which an
+/// emitter begins is too thin to say what the field will be inside of it.
+std::vector<Vec3> mostly_interior_lattice(const Scene& scene) {
+  const double edge = std::ceil(12 * scene.surface.sigma) * scene.fluid.spacing;
+  return lattice_points(BoxShape{Vec3::Zero(), Vec3::Constant(edge)}, scene.fluid.spacing);
+}
+
 ParticleFieldOptions make_field_options(const Scene& scene, const Particles& particles) {
   ParticleFieldOptions options;
   options.sigma = scene.surface.sigma * scene.fluid.spacing;
   options.weights = scene.surface.weights;
   options.threshold = scene.surface.threshold.value_or(0);
   if (!scene.surface.threshold) {
-    const std::vector<double> weights = field_weights(particles.position, options.sigma, options.weights);
-    options.threshold = half_median_threshold(particles.position, weights, options.sigma);
+    const std::vector<Vec3> liquid =
+        scene.fluid.emitters.empty() ? particles.position : mostly_interior_lattice(scene);
+    const std::vector<double> weights = field_weights(liquid, options.sigma, options.weights);
+    options.threshold = half_median_threshold(liquid, weights, options.sigma);
   }
   return options;
 }

@@ -74,6 +74,33 @@ TEST(GoodScenes, SmallestOneLoadsWithDefaults) {
   EXPECT_FALSE(scene.surface.threshold);
 }
 
+TEST(GoodScenes, ViscositiesBecomeFluids) {
+  const std::string block = "[[fluid.block]]\nshape = \"sphere\"\nradius = 0.6\ncenter = ";
+  const std::string text =
+      "duration = 1.0\n[fluid]\nspacing = 0.5\ndensity = 2000.0\nkinematic_viscosity = 1.0\n" + block +
+      "[0, 0, 0]\nkinematic_viscosity = 1.0\n" + block + "[4, 0, 0]\ndynamic_viscosity = 6000.0\n" + block +
+      "[8, 0, 0]\n" + block + "[12, 0, 0]\nkinematic_viscosity = 3.0\n" + block +
+      "[16, 0, 0]\nkinematic_viscosity = 5.0\n";
+  const Scene scene = load_scene(temporary_file("fluids.toml", text));
+  EXPECT_EQ(scene.fluid.more_viscosities, (std::vector<double>{3, 5}));
+  std::vector<int> fluids;
+  for (const FluidBlock& b : scene.blocks) fluids.push_back(b.fluid);
+  EXPECT_EQ(fluids, (std::vector<int>{0, 1, 0, 1, 2}));
+}
+
+TEST(GoodScenes, EmitterAloneIsAScene) {
+  const std::string text =
+      "duration = 1.0\n[fluid]\nspacing = 0.1\nkinematic_viscosity = 1.0\n"
+      "[[fluid.emitter]]\nshape = \"rectangle\"\nwidth = 0.4\nheight = 0.2\n"
+      "position = [0, 1, 0]\ndirection = [2, 0, 0]\nspeed = 3.0\nend = 0.5\n";
+  const Scene scene = load_scene(temporary_file("emitter.toml", text));
+  ASSERT_EQ(scene.fluid.emitters.size(), 1u);
+  EXPECT_EQ(scene.fluid.emitters[0].end, 0.5);
+  const SceneEstimate cost = estimate(scene, 1);
+  EXPECT_EQ(cost.particles, 0u);
+  EXPECT_EQ(cost.emitted, 8u * 15);  // 1.5 m of stream
+}
+
 TEST(GoodScenes, EveryKeyArrives) {
   const Scene scene = load_scene(source_file("tests/data/every_key.toml"));
   EXPECT_EQ(scene.title, "Every key \u2014 \u03ba");
@@ -83,6 +110,20 @@ TEST(GoodScenes, EveryKeyArrives) {
   EXPECT_EQ(fluid.density, 1200);
   EXPECT_DOUBLE_EQ(fluid.kinematic_viscosity, 2.0);  // 2400 Pa s / 1200 kg/m3
   EXPECT_EQ(fluid.slip_length, 0.05);
+  EXPECT_EQ(fluid.surface_tension, 0.05);
+  EXPECT_EQ(fluid.more_viscosities, (std::vector<double>{7, 0.1}));
+  ASSERT_EQ(fluid.emitters.size(), 1u);
+  const Emitter& emitter = fluid.emitters[0];
+  EXPECT_EQ(std::get<RectangleMouth>(emitter.mouth).width, 0.8);
+  EXPECT_EQ(std::get<RectangleMouth>(emitter.mouth).height, 0.4);
+  EXPECT_EQ(std::get<RectangleMouth>(emitter.mouth).up, Vec3(1, 0, 0));
+  EXPECT_EQ(emitter.position, Vec3(0, -2, 3));
+  EXPECT_EQ(emitter.direction, Vec3(0, 0, 2));
+  EXPECT_EQ(emitter.speed, 1.5);
+  EXPECT_EQ(emitter.start, 0.1);
+  EXPECT_EQ(emitter.end, 0.7);
+  EXPECT_EQ(emitter.max_particles, 500u);
+  EXPECT_EQ(emitter.fluid, 2);
   EXPECT_EQ(fluid.gravity, Vec3(0, 0, -9));
   EXPECT_EQ(fluid.cfl, 0.3);
   EXPECT_EQ(fluid.min_time_step, 1e-5);
@@ -92,8 +133,10 @@ TEST(GoodScenes, EveryKeyArrives) {
   EXPECT_EQ(fluid.max_pressure_iterations, 51);
   EXPECT_EQ(fluid.viscosity_tolerance, 0.003);
   EXPECT_EQ(fluid.max_viscosity_iterations, 52);
-
-  ASSERT_EQ(scene.blocks.size(), 2u);
+  ASSERT_EQ(scene.blocks.size(), 3u);
+  EXPECT_EQ(scene.blocks[1].fluid, 1);
+  EXPECT_EQ(std::get<MeshShape>(scene.blocks[2].shape).scale, 2);
+  EXPECT_EQ(std::get<MeshShape>(scene.blocks[2].shape).translation, Vec3(-4, 0, 0));
   EXPECT_EQ(std::get<BoxShape>(scene.blocks[0].shape).upper, Vec3(1, 1, 1));
   EXPECT_EQ(std::get<SphereShape>(scene.blocks[1].shape).radius, 0.5);
   EXPECT_EQ(std::get<SphereShape>(scene.blocks[1].shape).center, Vec3(3, 0, 0));
@@ -109,7 +152,7 @@ TEST(GoodScenes, EveryKeyArrives) {
   EXPECT_EQ(mesh.file, source_file("tests/data/meshes/cube.obj"));
   EXPECT_EQ(mesh.scale, 0.5);
   EXPECT_EQ(mesh.translation, Vec3(0, 5, 0));
-  EXPECT_EQ(scene.walls[2].where.line, 39);
+  EXPECT_EQ(scene.walls[2].where.line, 60);
 }
 
 TEST(GoodScenes, EverySurfaceAndOutputKeyArrives) {
