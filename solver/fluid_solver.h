@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "core/body_motion.h"
 #include "core/particles.h"
-#include "core/rigid_motion.h"
 #include "core/types.h"
 #include "solver/emitter.h"
 
@@ -59,7 +59,7 @@ class FluidSolver {
   /// empty: all of fluid 0. Throws InvalidInput for options out of range, particles inside a wall, or when
   /// there is no particle at t = 0.
   FluidSolver(const FluidOptions& options, std::span<const Vec3> position, std::span<const Vec3> velocity,
-              std::span<const TriangleSurface> walls, std::span<const RigidMotion> motions = {},
+              std::span<const TriangleSurface> walls, std::span<const BodyMotion> motions = {},
               std::span<const std::uint8_t> fluid = {});
   ~FluidSolver();
   FluidSolver(FluidSolver&&) noexcept;

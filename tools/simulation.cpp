@@ -16,7 +16,7 @@ constexpr double kTimeTolerance = 1e-12;
 
 FluidSolver make_fluid(const Scene& scene, std::span<const TriangleSurface> walls) {
   const FluidParticlesAtStart start = fill_blocks(scene);
-  return {scene.fluid, start.position, start.velocity, walls, {}, start.fluid};
+  return {scene.fluid, start.position, start.velocity, walls, wall_motions(scene), start.fluid};
 }
 
 ParticleFieldOptions make_field_options(const Scene& scene, const Particles& particles) {
