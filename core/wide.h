@@ -25,7 +25,7 @@ struct WideVec {
 };
 
 /// The eight vectors points[index[0]], points[index[1]], ...
-inline WideVec gather(const Vec4f* points, const std::uint32_t* index) {
+inline WideVec gather(const Vec4f* points, const std::uint16_t* index) {
   using Four [[gnu::vector_size(16)]] = float;
   using Eight [[gnu::vector_size(32)]] = float;
   const auto both = [&](int k) {  // points k and k + 4

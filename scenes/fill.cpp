@@ -1,6 +1,8 @@
 // The walls and the particles with which a scene starts.
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/cell_grid.h"
 #include "scenes/mesh_file.h"
 #include "scenes/shapes.h"
@@ -74,6 +76,15 @@ std::vector<char> free_points(std::span<const Vec3> points, const WallDistance& 
 TriangleSurface wall_surface(const BoxShape& box, const SourcePosition&) {
   return box_surface(box);
 }
+TriangleSurface wall_surface(const SphereShape& sphere, const SourcePosition&) {
+  return sphere_surface(sphere);
+}
+TriangleSurface wall_surface(const CylinderShape& cylinder, const SourcePosition&) {
+  return cylinder_surface(cylinder);
+}
+TriangleSurface wall_surface(const BasinShape& basin, const SourcePosition&) {
+  return basin_surface(basin);
+}
 TriangleSurface wall_surface(const StairsShape& stairs, const SourcePosition&) {
   return stairs_surface(stairs);
 }
@@ -135,6 +146,20 @@ std::vector<TriangleSurface> wall_surfaces(const Scene& scene) {
     surfaces.push_back(
         std::visit([&](const auto& shape) { return wall_surface(shape, wall.where); }, wall.shape));
   return surfaces;
+}
+
+std::vector<BodyMotion> wall_motions(const Scene& scene) {
+  std::vector<BodyMotion> motions;
+  for (const Wall& wall : scene.walls) motions.push_back(wall.motion);
+  if (std::ranges::all_of(motions, &BodyMotion::at_rest)) motions.clear();
+  return motions;
+}
+
+std::vector<TriangleSurface> walls_at(double time, std::vector<TriangleSurface> walls,
+                                      std::span<const BodyMotion> motions) {
+  for (std::size_t w = 0; w < motions.size(); ++w)
+    if (!motions[w].at_rest()) walls[w] = moved(std::move(walls[w]), motions[w].pose(time));
+  return walls;
 }
 
 FluidParticlesAtStart fill_blocks(const Scene& scene) {

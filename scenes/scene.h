@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -21,6 +22,16 @@ struct BoxShape {
 struct SphereShape {
   Vec3 center;        ///< [m]
   double radius = 0;  ///< [m]
+};
+/// A round bar.
+struct CylinderShape {
+  Vec3 from, to;      ///< centres of its ends [m]
+  double radius = 0;  ///< [m]
+};
+/// A box without a lid, open along +y, around the space from `lower` to `upper`.
+struct BasinShape {
+  Vec3 lower, upper;     ///< corners of the space inside [m]
+  double thickness = 0;  ///< of floor and sides, outwards [m]
 };
 /// A flight of stairs that goes down along +x, y up, extruded along z, as one closed solid. With (x0, y0, z0)
 /// = origin: the landing is at y = y0 + steps rise and ends at the first riser, x = x0 - (steps - 1) run;
@@ -49,9 +60,10 @@ struct FluidBlock {
   SourcePosition where;    ///< where the scene's file describes it
   std::uint8_t fluid = 0;  ///< index of its viscosity, see FluidOptions
 };
-/// A rigid wall at rest.
+/// A rigid wall.
 struct Wall {
-  std::variant<BoxShape, StairsShape, MeshShape> shape;
+  std::variant<BoxShape, SphereShape, CylinderShape, BasinShape, StairsShape, MeshShape> shape;  ///< at t = 0
+  BodyMotion motion;
   SourcePosition where;  ///< where the scene's file describes it
 };
 
@@ -115,6 +127,13 @@ double emitted_particles(const Emitter& emitter, const Scene& scene);
 /// The walls as closed surfaces, oriented outward. Throws InvalidInput for a mesh that cannot be read, is
 /// empty, or is not the closed and consistently oriented boundary of a solid.
 std::vector<TriangleSurface> wall_surfaces(const Scene& scene);
+
+/// How they move, one motion a wall; empty when all are at rest.
+std::vector<BodyMotion> wall_motions(const Scene& scene);
+
+/// The walls of wall_surfaces() and wall_motions() where they are at `time` [s].
+std::vector<TriangleSurface> walls_at(double time, std::vector<TriangleSurface> walls,
+                                      std::span<const BodyMotion> motions);
 
 /// What a run of the scene is expected to need.
 struct SceneEstimate {

@@ -146,18 +146,66 @@ Emitter read_emitter(TomlTable t, Fluids& fluids) {
   return emitter;
 }
 
+CylinderShape read_cylinder(TomlTable& t) {
+  CylinderShape cylinder{t.vector("from", "m"), t.vector("to", "m"), t.number("radius", length())};
+  t.finish();
+  if (cylinder.from == cylinder.to) t.refuse("to", "a point other than from");
+  return cylinder;
+}
+
+BasinShape read_basin(TomlTable& t) {
+  const double thickness = t.number("thickness", length());
+  const BoxShape space = read_box(t);
+  return {space.lower, space.upper, thickness};
+}
+
+/// [[wall.motion]]: one for a constant velocity, several for one that is linear in time between them.
+BodyMotion read_motion(TomlTable& wall) {
+  BodyMotion motion;
+  std::vector<TomlTable> keys = wall.tables("motion");
+  if (keys.empty()) return motion;
+  motion.axis = wall.vector("axis", "", motion.axis);
+  motion.point = wall.vector("point", "m", motion.point);
+  if (!(motion.axis.norm() > 1e-12)) wall.refuse("axis", "a direction, not the zero vector");
+  motion.axis.normalize();
+  for (TomlTable& t : keys) {
+    const bool first = motion.keys.empty();
+    BodyMotion::Key key;
+    key.time = t.number("time", non_negative("s", kMaxTime), first ? std::optional<double>(0) : std::nullopt);
+    key.velocity = t.vector("velocity", "m/s", key.velocity);
+    key.angular_velocity =
+        t.number("angular_velocity", {-kMaxSpeed, kMaxSpeed, false, "rad/s"}, key.angular_velocity);
+    t.finish();
+    if (key.velocity.norm() > kMaxSpeed)
+      t.refuse("velocity", fmt::format("at most {} m/s in length", kMaxSpeed));
+    if (!first && key.time <= motion.keys.back().time)
+      t.refuse("time", fmt::format("above {} s, the time before", motion.keys.back().time));
+    motion.keys.push_back(key);
+  }
+  return motion;
+}
+
 Wall read_wall(TomlTable t) {
-  enum class Kind { box, stairs, mesh };
-  static constexpr Named<Kind> kKinds[] = {
-      {"box", Kind::box}, {"stairs", Kind::stairs}, {"mesh", Kind::mesh}};
+  enum class Kind { box, sphere, cylinder, basin, stairs, mesh };
+  static constexpr Named<Kind> kKinds[] = {{"box", Kind::box},           {"sphere", Kind::sphere},
+                                           {"cylinder", Kind::cylinder}, {"basin", Kind::basin},
+                                           {"stairs", Kind::stairs},     {"mesh", Kind::mesh}};
   const SourcePosition where = t.where();
-  switch (t.choice("shape", kKinds, {})) {
+  const Kind kind = t.choice("shape", kKinds, {});
+  const BodyMotion motion = read_motion(t);
+  switch (kind) {
+    case Kind::sphere:
+      return {read_sphere(t), motion, where};
+    case Kind::cylinder:
+      return {read_cylinder(t), motion, where};
+    case Kind::basin:
+      return {read_basin(t), motion, where};
     case Kind::stairs:
-      return {read_stairs(t), where};
+      return {read_stairs(t), motion, where};
     case Kind::mesh:
-      return {read_mesh(t), where};
+      return {read_mesh(t), motion, where};
     default:
-      return {read_box(t), where};
+      return {read_box(t), motion, where};
   }
 }
 
@@ -167,6 +215,7 @@ void check_thickness(const Wall& wall, double spacing) {
   const double allowed = kThinnestWall * spacing;
   double thinnest = allowed;
   if (const auto* box = std::get_if<BoxShape>(&wall.shape)) thinnest = (box->upper - box->lower).minCoeff();
+  if (const auto* basin = std::get_if<BasinShape>(&wall.shape)) thinnest = basin->thickness;
   if (const auto* stairs = std::get_if<StairsShape>(&wall.shape))
     thinnest = std::min(stairs->thickness, stairs->width);
   if (thinnest < allowed)

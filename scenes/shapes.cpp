@@ -1,6 +1,9 @@
 #include "scenes/shapes.h"
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/parallel.h"
 #include "core/solid_distance.h"
@@ -29,6 +32,35 @@ TriangleSurface prism(const std::vector<Vec2>& polygon, double lower, double upp
   for (int k = 1; k + 1 < n; ++k) {
     surface.triangles.push_back({1, 2 * k + 1, 2 * k + 3});
     surface.triangles.push_back({0, 2 * k + 2, 2 * k});
+  }
+  return surface;
+}
+
+/// A profile of (height along the axis, distance from it) turned about the axis through `origin`; it begins
+/// and ends on the axis, where its distance is 0, and heights increase.
+TriangleSurface turned(const std::vector<Vec2>& profile, const Vec3& origin, const Vec3& axis) {
+  constexpr int kSides = 60;
+  const Vec3 e1 = axis.unitOrthogonal(), e2 = axis.cross(e1);
+  const int rings = static_cast<int>(profile.size()) - 2;
+  TriangleSurface surface;
+  for (int r = 1; r <= rings; ++r)
+    for (int k = 0; k < kSides; ++k) {
+      const double angle = 2 * std::numbers::pi * k / kSides;
+      surface.vertices.push_back(origin + profile[r].x() * axis +
+                                 profile[r].y() * (std::cos(angle) * e1 + std::sin(angle) * e2));
+    }
+  const int bottom = rings * kSides, top = bottom + 1;
+  surface.vertices.push_back(origin + profile.front().x() * axis);
+  surface.vertices.push_back(origin + profile.back().x() * axis);
+  for (int k = 0; k < kSides; ++k) {
+    const int next = (k + 1) % kSides;
+    surface.triangles.push_back({bottom, next, k});
+    for (int r = 0; r + 1 < rings; ++r) {
+      const int a = r * kSides + k, b = r * kSides + next;
+      surface.triangles.push_back({a, b, b + kSides});
+      surface.triangles.push_back({a, b + kSides, a + kSides});
+    }
+    surface.triangles.push_back({top, (rings - 1) * kSides + k, (rings - 1) * kSides + next});
   }
   return surface;
 }
@@ -76,6 +108,47 @@ double half_cells(const SphereShape& sphere, double spacing) {
 TriangleSurface box_surface(const BoxShape& box) {
   const Vec3 &a = box.lower, &b = box.upper;
   return prism({{a.x(), a.y()}, {b.x(), a.y()}, {b.x(), b.y()}, {a.x(), b.y()}}, a.z(), b.z());
+}
+
+TriangleSurface sphere_surface(const SphereShape& sphere) {
+  constexpr int kBands = 30;
+  std::vector<Vec2> profile;
+  for (int k = 0; k <= kBands; ++k) {
+    const double angle = std::numbers::pi * k / kBands;
+    profile.emplace_back(-sphere.radius * std::cos(angle), sphere.radius * std::sin(angle));
+  }
+  return turned(profile, sphere.center, Vec3::UnitY());
+}
+
+TriangleSurface cylinder_surface(const CylinderShape& cylinder) {
+  const Vec3 axis = cylinder.to - cylinder.from;
+  const double length = axis.norm();
+  return turned({{0, 0}, {0, cylinder.radius}, {length, cylinder.radius}, {length, 0}}, cylinder.from,
+                axis / length);
+}
+
+TriangleSurface basin_surface(const BasinShape& basin) {
+  const Vec3 t = Vec3::Constant(basin.thickness);
+  TriangleSurface surface = box_surface({basin.lower - t, basin.upper + Vec3(t.x(), 0, t.z())});
+  const TriangleSurface space = box_surface({basin.lower, basin.upper});
+  const int first = static_cast<int>(surface.vertices.size());
+  surface.vertices.insert(surface.vertices.end(), space.vertices.begin(), space.vertices.end());
+  // Both boxes without their tops, the inner one inside out.
+  const auto on_top = [&](const TriangleSurface& s, const Triangle& triangle) {
+    return std::ranges::all_of(triangle, [&](int v) { return s.vertices[v].y() == basin.upper.y(); });
+  };
+  std::erase_if(surface.triangles, [&](const Triangle& triangle) { return on_top(surface, triangle); });
+  for (const Triangle& t3 : space.triangles)
+    if (!on_top(space, t3)) surface.triangles.push_back({first + t3[0], first + t3[2], first + t3[1]});
+  // The rim joins the two tops, corner by corner in the order of prism(): 4 and 6 at lower z, 5 and 7 at
+  // upper z.
+  const std::array<int, 4> corner{4, 6, 7, 5};
+  for (int k = 0; k < 4; ++k) {
+    const int a = corner[k], b = corner[(k + 1) % 4];
+    surface.triangles.push_back({a, b, first + b});
+    surface.triangles.push_back({a, first + b, first + a});
+  }
+  return surface;
 }
 
 TriangleSurface stairs_surface(const StairsShape& stairs) {

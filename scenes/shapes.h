@@ -10,6 +10,14 @@ namespace kappaflow {
 /// Closed, manifold, without T-junctions, oriented outward. Requires lower < upper in every component.
 TriangleSurface box_surface(const BoxShape& box);
 
+/// Likewise; facets of about 6 degrees, the vertices on the sphere or the cylinder. Requires radius > 0, from
+/// != to.
+TriangleSurface sphere_surface(const SphereShape& sphere);
+TriangleSurface cylinder_surface(const CylinderShape& cylinder);
+
+/// Likewise, one solid. Requires lower < upper in every component, thickness > 0.
+TriangleSurface basin_surface(const BasinShape& basin);
+
 /// Likewise, one solid for the whole flight. Requires steps >= 1 and every length > 0.
 TriangleSurface stairs_surface(const StairsShape& stairs);
 

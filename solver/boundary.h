@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "core/body_motion.h"
 #include "core/cell_grid.h"
-#include "core/rigid_motion.h"
 #include "solver/boundary_sampling.h"
 #include "solver/fluid_particles.h"
 #include "solver/kernel.h"
@@ -53,7 +53,7 @@ struct WallSums {
 /// Walls with the same motion.
 struct WallBody {
   std::vector<WallSample> samples;  ///< as sample_walls() gives them, at t = 0
-  RigidMotion motion;
+  BodyMotion motion;
 };
 
 /// The wall particles with their volumes, and the search for them. Every body is searched in its own frame,
@@ -80,7 +80,7 @@ class Walls {
     std::vector<char> near;       // by cell of the grid: whether it or a cell beside it holds a sample
     std::vector<Vec4f> position;  // at t = 0, in cell order; w: volume [m3]
     std::vector<Eigen::Vector3f> normal;
-    RigidMotion motion;
+    BodyMotion motion;
     RigidPose pose;
     RigidVelocity velocity;
     double reach = 0;  // largest distance from the motion's point [m]

@@ -52,15 +52,15 @@ std::int64_t fastest_id(const FluidParticles& particles) {
 }
 
 /// One body for each motion.
-std::vector<WallBody> wall_bodies(std::span<const TriangleSurface> walls,
-                                  std::span<const RigidMotion> motions, double spacing) {
+std::vector<WallBody> wall_bodies(std::span<const TriangleSurface> walls, std::span<const BodyMotion> motions,
+                                  double spacing) {
   if (!motions.empty() && motions.size() != walls.size())
     throw InvalidInput(fmt::format("fluid: {} walls but {} motions", walls.size(), motions.size()));
   std::vector<WallBody> bodies;
   std::vector<char> done(walls.size(), 0);
   for (std::size_t first = 0; first < walls.size(); ++first) {
     if (done[first]) continue;
-    const RigidMotion motion = motions.empty() ? RigidMotion() : motions[first];
+    const BodyMotion motion = motions.empty() ? BodyMotion() : motions[first];
     std::vector<TriangleSurface> group;
     for (std::size_t w = first; w < walls.size(); ++w)
       if (motions.empty() || motions[w] == motion) {
@@ -107,7 +107,7 @@ struct FluidSolver::State {
 
 FluidSolver::FluidSolver(const FluidOptions& options, std::span<const Vec3> position,
                          std::span<const Vec3> velocity, std::span<const TriangleSurface> walls,
-                         std::span<const RigidMotion> motions, std::span<const std::uint8_t> fluid) {
+                         std::span<const BodyMotion> motions, std::span<const std::uint8_t> fluid) {
   check_options(options);
   const std::vector<SolidDistance> solids(walls.begin(), walls.end());
   check_start(position, velocity, fluid, 1 + options.more_viscosities.size(), solids);

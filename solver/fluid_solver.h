@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "core/body_motion.h"
 #include "core/particles.h"
-#include "core/rigid_motion.h"
 #include "core/types.h"
 #include "solver/emitter.h"
 
@@ -77,7 +77,7 @@ class FluidSolver {
   /// empty: all of fluid 0. Throws InvalidInput for options out of range, particles inside a wall, or when
   /// there is no particle at t = 0.
   FluidSolver(const FluidOptions& options, std::span<const Vec3> position, std::span<const Vec3> velocity,
-              std::span<const TriangleSurface> walls, std::span<const RigidMotion> motions = {},
+              std::span<const TriangleSurface> walls, std::span<const BodyMotion> motions = {},
               std::span<const std::uint8_t> fluid = {});
   ~FluidSolver();
   FluidSolver(FluidSolver&&) noexcept;
@@ -88,9 +88,9 @@ class FluidSolver {
   /// min_time_step.
   FluidStep step(double time_left);
 
-  double time() const;                       ///< [s]
-  std::size_t size() const;                  ///< particles; grows where there are emitters
-  Particles particles() const;               ///< now, sorted by id
+  double time() const;          ///< [s]
+  std::size_t size() const;     ///< particles; grows where there are emitters
+  Particles particles() const;  ///< now, sorted by id
   SolverMemory memory() const;
   std::vector<float> densities() const;      ///< by id [kg/m3]
   std::vector<float> pressures() const;      ///< by id [Pa]

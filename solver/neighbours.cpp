@@ -42,8 +42,9 @@ void NeighbourSearch::Scratch::collect(const CellGrid& grid, std::size_t begin, 
 
 /// Finds particle i's neighbours among them.
 void NeighbourSearch::Scratch::append_row(std::uint32_t i, const Vec4f& xi, float support) {
-  if (found.size() < pairs + candidates + kWide) {
-    found.resize(2 * (pairs + candidates + kWide));
+  // Padding may take as much again.
+  if (found.size() < pairs + 2 * (candidates + kWide)) {
+    found.resize(2 * (pairs + 2 * (candidates + kWide)));
     square.resize(found.size());
   }
   std::size_t end = pairs;
@@ -54,9 +55,31 @@ void NeighbourSearch::Scratch::append_row(std::uint32_t i, const Vec4f& xi, floa
     end += static_cast<std::size_t>(
         pack_below(r2, &candidate[k], support * support, i, &square[end], &found[end]));
   }
-  rows.push_back({static_cast<std::uint32_t>(pairs / kWide), static_cast<std::uint32_t>(end - pairs)});
-  for (; end % kWide != 0; ++end) found[end] = i, square[end] = support * support;
-  pairs = end;
+  pad_row(pairs, end, support);
+}
+
+/// Pads what was found to whole blocks, each of which spans less than 2^16 particles.
+void NeighbourSearch::Scratch::pad_row(std::size_t begin, std::size_t end, float support) {
+  constexpr std::uint32_t kLargestOffset = std::numeric_limits<std::uint16_t>::max();
+  row.assign(found.begin() + static_cast<std::ptrdiff_t>(begin),
+             found.begin() + static_cast<std::ptrdiff_t>(end));
+  row_square.assign(square.begin() + static_cast<std::ptrdiff_t>(begin),
+                    square.begin() + static_cast<std::ptrdiff_t>(end));
+  std::size_t at = begin;
+  std::uint32_t base = 0;
+  const auto pad = [&] {
+    for (; at % kWide != 0; ++at) found[at] = base, square[at] = support * support;
+  };
+  for (std::size_t k = 0; k < row.size(); ++k) {
+    if (row[k] - base > kLargestOffset) pad();
+    if (at % kWide == 0) base = row[k];
+    found[at] = row[k], square[at] = row_square[k];
+    ++at;
+  }
+  pad();
+  rows.push_back(
+      {static_cast<std::uint32_t>(begin / kWide), static_cast<std::uint32_t>((at - begin) / kWide)});
+  pairs = at;
 }
 
 template <class T>
@@ -102,10 +125,13 @@ void NeighbourSearch::evaluate(std::size_t i, FluidParticles& particles, std::sp
     const Wide r = r2.sqrt();
     density += kernel_.value(r);
     PairBlock& block = blocks[b];
-    std::copy_n(&found[kWide * b], kWide, block.index.begin());
-    narrow(kernel_.gradient_factor(r) * (volume_ / -unit_) + 0.5f, block.factor.data());
+    block.base = found[kWide * b];
+    for (std::size_t k = 0; k < kWide; ++k)
+      block.offset[k] = static_cast<std::uint16_t>(found[kWide * b + k] - block.base);
+    const Wide rounded = kernel_.gradient_factor(r) * (volume_ / -unit_) + 0.5f;
+    narrow((r2 < kernel_.support() * kernel_.support()).select(rounded.max(1.0f), 0.0f), block.factor.data());
     const Wide factor = -unit_ * widen(block.factor.data());
-    const WideVec xj = gather(particles.position.data(), block.index.data());
+    const WideVec xj = gather(particles.position, block);
     square_sum += factor * factor * r2;
     sum_x += factor * (xi[0] - xj.x);
     sum_y += factor * (xi[1] - xj.y);
@@ -138,12 +164,12 @@ std::size_t NeighbourSearch::fill(FluidParticles& particles, NeighbourLists& lis
                  const std::size_t count = scratch.pairs / kWide, first = needed.fetch_add(count);
                  if (first + count > lists.blocks.size()) return;
                  for (std::size_t k = 0; k < scratch.rows.size(); ++k) {
-                   const auto [begin, pairs] = scratch.rows[k];
-                   const std::size_t i = chunk * kChunk + k, in_row = (pairs + kWide - 1) / kWide;
-                   lists.rows[i] = {static_cast<std::uint32_t>(first) + begin, pairs};
+                   const auto [begin, count_of_row] = scratch.rows[k];
+                   const std::size_t i = chunk * kChunk + k;
+                   lists.rows[i] = {static_cast<std::uint32_t>(first) + begin, count_of_row};
                    evaluate(i, particles, std::span(scratch.square).subspan(kWide * begin),
                             std::span(scratch.found).subspan(kWide * begin),
-                            std::span(lists.blocks).subspan(first + begin, in_row));
+                            std::span(lists.blocks).subspan(first + begin, count_of_row));
                  }
                },
                1);

@@ -16,26 +16,34 @@
 namespace kappaflow {
 
 /// Eight neighbours j of a particle i, with the kernel's gradient V grad W(x_i - x_j) = V F (x_i - x_j) as
-/// the rounded V F: at most 6 bytes a pair, and the loops over pairs are bound by memory. A pair's two
-/// directions hold the same bits, so pair forces stay antisymmetric.
+/// the rounded V F: 4.5 bytes a pair, for the loops over pairs are bound by memory. A pair's two directions
+/// hold the same bits, so pair forces stay antisymmetric.
 struct PairBlock {
-  std::array<std::uint32_t, kWide> index;   ///< j; i itself where the row has ended
-  std::array<std::uint16_t, kWide> factor;  ///< -V F / NeighbourLists::unit, rounded; 0 where it has ended
+  std::uint32_t base = 0;                   ///< the first j; they are ascending
+  std::array<std::uint16_t, kWide> offset;  ///< j - base; 0 where the block is padded
+  std::array<std::uint16_t, kWide> factor;  ///< -V F / NeighbourLists::unit, rounded, >= 1; 0 where padded
+
+  /// 1 where there is a neighbour, 0 where the block is padded.
+  Wide present() const { return widen(factor.data()).min(1.0f); }
 };
+
+/// The values of eight neighbours.
+inline WideVec gather(const std::vector<Vec4f>& values, const PairBlock& block) {
+  return gather(values.data() + block.base, block.offset.data());
+}
 
 /// Neighbours of each liquid particle within the kernel's support, itself left out. Both directions of a pair
 /// are stored, so every loop is a gather.
 struct NeighbourLists {
   struct Row {
-    std::uint32_t begin = 0;  ///< first block
-    std::uint32_t count = 0;  ///< neighbours
+    std::uint32_t begin = 0, count = 0;  // of the blocks
   };
   std::vector<Row> rows;          ///< one a particle
   std::vector<PairBlock> blocks;  ///< the rows, each padded to whole blocks
   float unit = 1;                 ///< of PairBlock::factor [1/m2]
 
   std::span<const PairBlock> of(std::size_t i) const {
-    return {blocks.data() + rows[i].begin, (rows[i].count + kWide - 1) / kWide};
+    return {blocks.data() + rows[i].begin, rows[i].count};
   }
   /// V F <= 0 of the eight pairs [1/m2]
   Wide factor(const PairBlock& block) const { return -unit * widen(block.factor.data()); }
@@ -56,7 +64,7 @@ class NeighbourSearch {
 
  private:
   static constexpr std::size_t kChunk = 128;    // particles whose neighbours one task finds
-  static constexpr std::size_t kHeadroom = 16;  // the lists grow by this fraction more than needed
+  static constexpr std::size_t kHeadroom = 32;  // the lists grow by this fraction more than needed
 
   /// What a thread needs to find the neighbours of a chunk of particles.
   struct Scratch {
@@ -67,10 +75,13 @@ class NeighbourSearch {
     std::vector<std::uint32_t> found;      // their j
     std::size_t pairs = 0;                 // in both, padding included
     std::vector<NeighbourLists::Row> rows;
+    std::vector<std::uint32_t> row;  // one, before it is padded
+    std::vector<float> row_square;
 
     void collect(const CellGrid& grid, std::size_t begin, std::size_t end, std::span<const Vec4f> position,
                  float support);
     void append_row(std::uint32_t i, const Vec4f& xi, float support);
+    void pad_row(std::size_t begin, std::size_t end, float support);
   };
 
   std::size_t fill(FluidParticles& particles, NeighbourLists& lists);

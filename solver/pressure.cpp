@@ -64,8 +64,8 @@ float density_rate(std::size_t i, const FluidParticles& particles, const Neighbo
   const Vec4f xi = particles.position[i];
   Wide sum = Wide::Zero();
   for (const PairBlock& block : lists.of(i)) {
-    const WideVec xj = gather(particles.position.data(), block.index.data());
-    const WideVec uj = gather(u.data(), block.index.data());
+    const WideVec xj = gather(particles.position, block);
+    const WideVec uj = gather(u, block);
     sum += lists.factor(block) * ((xi[0] - xj.x) * uj.x + (xi[1] - xj.y) * uj.y + (xi[2] - xj.z) * uj.z);
   }
   return u[i].cwiseProduct(particles.gradient_sum[i]).head<3>().sum() - sum.sum();
@@ -76,7 +76,7 @@ Vec4f pressure_acceleration(std::size_t i, const FluidParticles& particles, cons
   const Vec4f xi = particles.position[i];
   Wide sum_x = Wide::Zero(), sum_y = Wide::Zero(), sum_z = Wide::Zero();
   for (const PairBlock& block : lists.of(i)) {
-    const WideVec xj = gather(particles.position.data(), block.index.data());
+    const WideVec xj = gather(particles.position, block);
     const Wide scale = lists.factor(block) * xj.w;
     sum_x += scale * (xi[0] - xj.x);
     sum_y += scale * (xi[1] - xj.y);

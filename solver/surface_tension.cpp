@@ -42,8 +42,8 @@ Vec4f SurfaceTension::acceleration(std::size_t i, const FluidParticles& particle
   const Vec4f xi = particles.position[i], mi = particles.scratch[0][i];
   Wide sum_x = Wide::Zero(), sum_y = Wide::Zero(), sum_z = Wide::Zero();
   for (const PairBlock& block : lists.of(i)) {
-    const WideVec xj = gather(particles.position.data(), block.index.data());
-    const WideVec mj = gather(particles.scratch[0].data(), block.index.data());
+    const WideVec xj = gather(particles.position, block);
+    const WideVec mj = gather(particles.scratch[0], block);
     const Wide x = inverse_support_ * (xi[0] - xj.x), y = inverse_support_ * (xi[1] - xj.y),
                z = inverse_support_ * (xi[2] - xj.z);
     const Wide q = (x * x + y * y + z * z).sqrt().max(kLeastDistance);
@@ -51,9 +51,10 @@ Vec4f SurfaceTension::acceleration(std::size_t i, const FluidParticles& particle
     // grad grad W = a I + b x x^T, with W'' and W' / q of the cubic spline in units of its norm.
     const Wide outer = (1 - q).max(0.0f), inner = (0.5f - q).max(0.0f);
     const Wide first = -6 * (outer.square() - 4 * inner.square()) / q, second = 12 * outer - 48 * inner;
-    const Wide across = area_strength_ * first;
-    const Wide along = area_strength_ * (second - first) / q.square() * (x * mx + y * my + z * mz) +
-                       cohesion_strength_ * cohesion(q);
+    const Wide across = block.present() * area_strength_ * first;
+    const Wide along =
+        block.present() * (area_strength_ * (second - first) / q.square() * (x * mx + y * my + z * mz) +
+                           cohesion_strength_ * cohesion(q));
     sum_x += across * mx + along * x;
     sum_y += across * my + along * y;
     sum_z += across * mz + along * z;

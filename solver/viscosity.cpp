@@ -38,10 +38,11 @@ ViscositySolver::ViscositySolver(const FluidOptions& options)
 Wide ViscositySolver::pair_viscosity(std::uint8_t fluid, const FluidParticles& particles,
                                      const PairBlock& block) const {
   const float* with = pair_viscosity_.data() + fluid * fluids_;
-  if (fluids_ == 1) return Wide::Constant(with[0]);
+  if (fluids_ == 1) return with[0] * block.present();
   Wide result;
-  for (int k = 0; k < kWide; ++k) result[k] = with[particles.fluid[block.index[static_cast<std::size_t>(k)]]];
-  return result;
+  for (int k = 0; k < kWide; ++k)
+    result[k] = with[particles.fluid[block.base + block.offset[static_cast<std::size_t>(k)]]];
+  return result * block.present();
 }
 
 Vec4f ViscositySolver::apply_to(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists,
@@ -49,8 +50,8 @@ Vec4f ViscositySolver::apply_to(std::size_t i, const FluidParticles& particles, 
   const Vec4f xi = particles.position[i], ui = u[i];
   Wide sum_x = Wide::Zero(), sum_y = Wide::Zero(), sum_z = Wide::Zero();
   for (const PairBlock& block : lists.of(i)) {
-    const WideVec xj = gather(particles.position.data(), block.index.data());
-    const WideVec uj = gather(u.data(), block.index.data());
+    const WideVec xj = gather(particles.position, block);
+    const WideVec uj = gather(u, block);
     const Wide x = xi[0] - xj.x, y = xi[1] - xj.y, z = xi[2] - xj.z;
     const Wide r2 = x * x + y * y + z * z;
     const Wide scale = pair_viscosity(particles.fluid[i], particles, block) *
@@ -80,7 +81,7 @@ void ViscositySolver::invert_diagonal(const FluidParticles& particles, const Nei
     const Vec4f xi = particles.position[i];
     Wide xx = Wide::Zero(), yy = xx, zz = xx, xy = xx, xz = xx, yz = xx;
     for (const PairBlock& block : lists.of(i)) {
-      const WideVec xj = gather(particles.position.data(), block.index.data());
+      const WideVec xj = gather(particles.position, block);
       const Wide x = xi[0] - xj.x, y = xi[1] - xj.y, z = xi[2] - xj.z;
       const Wide r2 = x * x + y * y + z * z;
       const Wide weight =

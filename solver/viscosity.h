@@ -50,7 +50,7 @@ class ViscositySolver {
   void invert_diagonal(const FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,
                        float time_step);
 
-  /// Kinematic viscosities between a particle of `fluid` and the eight of the block [m2/s].
+  /// Kinematic viscosities between a particle of `fluid` and the eight of the block, 0 for padding [m2/s].
   Wide pair_viscosity(std::uint8_t fluid, const FluidParticles& particles, const PairBlock& block) const;
 
   float support_;  // of the kernel [m]

@@ -20,6 +20,13 @@ struct ShapeText {
   std::string operator()(const SphereShape& sphere) const {
     return fmt::format("sphere of radius {:.4g} m at {} m", sphere.radius, vector_text(sphere.center));
   }
+  std::string operator()(const CylinderShape& cylinder) const {
+    return fmt::format("cylinder of radius {:.4g} m from {} to {} m", cylinder.radius,
+                       vector_text(cylinder.from), vector_text(cylinder.to));
+  }
+  std::string operator()(const BasinShape& basin) const {
+    return fmt::format("basin around {} to {} m", vector_text(basin.lower), vector_text(basin.upper));
+  }
   std::string operator()(const StairsShape& stairs) const {
     return fmt::format("stairs, {} steps of rise {:.4g} m and run {:.4g} m, width {:.4g} m", stairs.steps,
                        stairs.rise, stairs.run, stairs.width);
@@ -51,7 +58,8 @@ std::string liquid_lines(const Scene& scene) {
                         vector_text(block.velocity), viscosity_text(block.fluid, fluid));
   for (const Emitter& emitter : scene.fluid.emitters) text += emitter_line(emitter, fluid);
   for (const Wall& wall : scene.walls)
-    text += fmt::format("    wall    {}\n", std::visit(ShapeText(), wall.shape));
+    text += fmt::format("    wall    {}{}\n", std::visit(ShapeText(), wall.shape),
+                        wall.motion.at_rest() ? "" : ", moving");
   return text;
 }
 

@@ -75,7 +75,8 @@ void render(const RenderOptions& options) {
   for (const std::string& method : methods)
     panels.push_back({fmt::format("{},  t = {:.2f} s", method, time),
                       read_vtp(options.folder / surface_file(method, frame))});
-  const fs::path boundary = options.folder / kBoundaryFile;
+  const fs::path moving = options.folder / boundary_file(frame);
+  const fs::path boundary = fs::exists(moving) ? moving : options.folder / kBoundaryFile;
   const auto walls = fs::exists(boundary) ? read_vtp(boundary) : nullptr;
   // What fills the picture: the walls, or without walls the first surface at the start; the same in every
   // frame of a run.

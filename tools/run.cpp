@@ -66,7 +66,13 @@ struct FrameTimes {
 class FrameWriter {
  public:
   FrameWriter(const Scene& scene, const Simulation& simulation, RunFolder& folder)
-      : scene_(scene), simulation_(simulation), folder_(folder), walls_(simulation.walls()) {
+      : scene_(scene),
+        simulation_(simulation),
+        folder_(folder),
+        motions_(wall_motions(scene)),
+        walls_(simulation.walls()) {
+    if (motions_.empty() && !simulation.walls().empty())
+      folder.write_boundary(*boundary_data(simulation.walls()));
     const TriangleMesh& mesh = simulation.trackers().front().mesh();
     initial_vertices_ = mesh.vertex_count();
     checker_ =
@@ -76,6 +82,7 @@ class FrameWriter {
 
   void write(int frame, double time, SinceFrame since_frame, RunSummary& summary) {
     const Stopwatch shared_watch;
+    if (!motions_.empty()) move_walls(frame, time);
     const FrameMetrics frame_metrics = measure_frame(frame, time, since_frame);
     write_particles(frame);
     const double shared_seconds = shared_watch.seconds();
@@ -110,6 +117,12 @@ class FrameWriter {
     return metrics;
   }
 
+  void move_walls(int frame, double time) {
+    const std::vector<TriangleSurface> walls = walls_at(time, simulation_.walls(), motions_);
+    walls_ = WallDistance(walls);
+    folder_.write_boundary(frame, *boundary_data(walls));
+  }
+
   void write_particles(int frame) {
     const Particles& particles = simulation_.particles();
     const ParticleFieldOptions& options = simulation_.field_options();
@@ -139,7 +152,8 @@ class FrameWriter {
   const Scene& scene_;
   const Simulation& simulation_;
   RunFolder& folder_;
-  WallDistance walls_;
+  std::vector<BodyMotion> motions_;
+  WallDistance walls_;  // where they are in the frame
   std::size_t initial_vertices_ = 0;
   std::vector<Rgb> checker_;
   std::vector<Vec2> texture_coordinates_;
@@ -154,7 +168,6 @@ RunSummary run_scene(const RunOptions& options) {
   RunFolder folder(folder_for(options), scene.surface.methods, options.force);
   Simulation simulation(scene);
   folder.write_record(run_record(options, scene, simulation));
-  if (!simulation.walls().empty()) folder.write_boundary(*boundary_data(simulation.walls()));
 
   const FrameTimes times(scene);
   FrameWriter writer(scene, simulation, folder);

@@ -24,7 +24,7 @@ bool is_surface_name(const std::string& name) {
 
 bool is_data_folder(const fs::directory_entry& entry) {
   const std::string name = entry.path().filename().string();
-  return entry.is_directory() && (name == "particles" || is_surface_name(name));
+  return entry.is_directory() && (name == "particles" || name == "boundary" || is_surface_name(name));
 }
 
 bool is_run_file(const fs::directory_entry& entry) {
@@ -33,7 +33,7 @@ bool is_run_file(const fs::directory_entry& entry) {
       name == kBoundaryFile)
     return true;
   return entry.path().extension() == ".pvd" &&
-         (name == "run.pvd" || name == "particles.pvd" || is_surface_name(name));
+         (name == "run.pvd" || name == "particles.pvd" || name == "boundary.pvd" || is_surface_name(name));
 }
 
 // A copy, since removing entries while iterating over them is undefined.
@@ -74,6 +74,10 @@ std::string surface_file(const std::string& method, int frame) {
   return fmt::format("surface-{}/surface_{:04}.vtp", method, frame);
 }
 
+std::string boundary_file(int frame) {
+  return fmt::format("boundary/boundary_{:04}.vtp", frame);
+}
+
 RunFolder::RunFolder(fs::path folder, std::vector<std::string> methods, bool force)
     : folder_(std::move(folder)), methods_(std::move(methods)) {
   make_room(folder_, force);
@@ -91,6 +95,12 @@ void RunFolder::write_record(const std::string& json) {
 void RunFolder::write_boundary(vtkPolyData& data) {
   write_vtp(folder_ / kBoundaryFile, data);
   has_boundary_ = true;
+}
+
+void RunFolder::write_boundary(int frame, vtkPolyData& data) {
+  if (!boundary_moves_) make_folder(folder_ / "boundary");
+  has_boundary_ = boundary_moves_ = true;
+  write_vtp(folder_ / boundary_file(frame), data);
 }
 
 void RunFolder::write_particles(int frame, vtkPolyData& data) {
@@ -112,7 +122,7 @@ void RunFolder::finish_frame(double time, const FrameRows& rows) {
 void RunFolder::write_collections() const {
   // A collection for all parts, and one for each of them.
   std::vector<PvdEntry> all;
-  std::vector<std::vector<PvdEntry>> series(1 + methods_.size());
+  std::vector<std::vector<PvdEntry>> series(1 + methods_.size() + (boundary_moves_ ? 1 : 0));
   for (std::size_t frame = 0; frame < times_.size(); ++frame) {
     const int number = static_cast<int>(frame);
     int part = 0;
@@ -123,7 +133,7 @@ void RunFolder::write_collections() const {
     };
     add("particles", particle_file(number));
     for (const std::string& method : methods_) add("surface-" + method, surface_file(method, number));
-    if (has_boundary_) add("boundary", kBoundaryFile);
+    if (has_boundary_) add("boundary", boundary_moves_ ? boundary_file(number) : kBoundaryFile);
   }
   for (std::size_t s = 0; s < series.size(); ++s)
     write_file(folder_ / (series[s].front().name + ".pvd"), pvd_text(series[s]));

@@ -15,7 +15,8 @@ struct FrameRows {
 };
 
 /// A run folder:
-///   run.json  metrics.csv  pieces.csv  timings.csv  boundary.vtp  run.pvd
+///   run.json  metrics.csv  pieces.csv  timings.csv  run.pvd
+///   boundary.vtp, or where walls move boundary.pvd  boundary/boundary_0000.vtp ...
 ///   particles.pvd  particles/particles_0000.vtp ...
 ///   surface-<method>.pvd  surface-<method>/surface_0000.vtp ...
 /// Whatever is there under these names is complete and listed in the .pvd files, at any moment of the run.
@@ -29,7 +30,10 @@ class RunFolder {
   const std::filesystem::path& path() const { return folder_; }
 
   void write_record(const std::string& json);
+  /// Of all frames.
   void write_boundary(vtkPolyData& data);
+  /// Of one frame of moving walls; for every frame or none.
+  void write_boundary(int frame, vtkPolyData& data);
   void write_particles(int frame, vtkPolyData& data);
   void write_surface(int frame, const std::string& method, vtkPolyData& data);
   /// Lists the frame's files at `time` [s] in the .pvd files and appends its rows to the tables.
@@ -41,13 +45,14 @@ class RunFolder {
   std::filesystem::path folder_;
   std::vector<std::string> methods_;
   std::vector<double> times_;  // of the finished frames [s]
-  bool has_boundary_ = false;
+  bool has_boundary_ = false, boundary_moves_ = false;
 };
 
 /// The file of a frame relative to the run folder.
 std::string particle_file(int frame);
 std::string surface_file(const std::string& method, int frame);
-inline constexpr const char* kBoundaryFile = "boundary.vtp";
+std::string boundary_file(int frame);
+inline constexpr const char* kBoundaryFile = "boundary.vtp";  ///< of walls at rest
 inline constexpr const char* kRecordFile = "run.json";
 
 }  // namespace kappaflow

@@ -18,7 +18,7 @@ constexpr double kTimeTolerance = 1e-12;
 
 FluidSolver make_fluid(const Scene& scene, std::span<const TriangleSurface> walls) {
   const FluidParticlesAtStart start = fill_blocks(scene);
-  return {scene.fluid, start.position, start.velocity, walls, {}, start.fluid};
+  return {scene.fluid, start.position, start.velocity, walls, wall_motions(scene), start.fluid};
 }
 
 /// A cube of liquid of which more than half is further than sigma from the faces. The liquid with which an

@@ -141,7 +141,7 @@ TEST(GoodScenes, EveryKeyArrives) {
   EXPECT_EQ(std::get<SphereShape>(scene.blocks[1].shape).radius, 0.5);
   EXPECT_EQ(std::get<SphereShape>(scene.blocks[1].shape).center, Vec3(3, 0, 0));
   EXPECT_EQ(scene.blocks[1].velocity, Vec3(-1, 0, 2));
-  ASSERT_EQ(scene.walls.size(), 3u);
+  ASSERT_EQ(scene.walls.size(), 6u);
   EXPECT_EQ(std::get<BoxShape>(scene.walls[0].shape).lower, Vec3(-5, -6, -5));
   const auto& stairs = std::get<StairsShape>(scene.walls[1].shape);
   EXPECT_EQ(stairs.steps, 3);
@@ -153,6 +153,31 @@ TEST(GoodScenes, EveryKeyArrives) {
   EXPECT_EQ(mesh.scale, 0.5);
   EXPECT_EQ(mesh.translation, Vec3(0, 5, 0));
   EXPECT_EQ(scene.walls[2].where.line, 60);
+  EXPECT_TRUE(scene.walls[2].motion.at_rest());
+  EXPECT_EQ(std::get<SphereShape>(scene.walls[3].shape).radius, 1.5);
+  const auto& cylinder = std::get<CylinderShape>(scene.walls[4].shape);
+  EXPECT_EQ(cylinder.from, Vec3(-4, 0, 0));
+  EXPECT_EQ(cylinder.to, Vec3(-4, 2, 0));
+  EXPECT_EQ(cylinder.radius, 0.75);
+  const auto& basin = std::get<BasinShape>(scene.walls[5].shape);
+  EXPECT_EQ(basin.lower, Vec3(5, 5, 5));
+  EXPECT_EQ(basin.upper, Vec3(6, 7, 8));
+  EXPECT_EQ(basin.thickness, 0.5);
+}
+
+TEST(GoodScenes, MotionsOfWallsArrive) {
+  const Scene scene = load_scene(source_file("tests/data/every_key.toml"));
+  const std::vector<BodyMotion> motions = wall_motions(scene);
+  ASSERT_EQ(motions.size(), scene.walls.size());
+  const BodyMotion& motion = motions[4];
+  EXPECT_EQ(motion.axis, Vec3(0, 0, 1));
+  EXPECT_EQ(motion.point, Vec3(1, 2, 3));
+  ASSERT_EQ(motion.keys.size(), 2u);
+  EXPECT_EQ(motion.keys[0], (BodyMotion::Key{0, Vec3(1, 2, 3), -4}));
+  EXPECT_EQ(motion.keys[1], (BodyMotion::Key{0.5, Vec3(0, 0, 0), 5}));
+  const auto walls = wall_surfaces(scene), moved = walls_at(0.5, walls, motions);
+  EXPECT_EQ(moved[3].vertices, walls[3].vertices);
+  EXPECT_EQ(moved[4].vertices[0], motion.pose(0.5) * walls[4].vertices[0]);
 }
 
 TEST(GoodScenes, EverySurfaceAndOutputKeyArrives) {

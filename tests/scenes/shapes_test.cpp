@@ -48,6 +48,36 @@ TEST(BoxSurface, IsClosedWithTheBoxesVolumeAndArea) {
   EXPECT_NEAR(measured.area, 2 * (6 + 1.5 + 1), 1e-14);
 }
 
+TEST(SphereAndCylinder, AreClosedWithNearlyTheirVolume) {
+  const auto measured = [](const TriangleSurface& s) {
+    EXPECT_EQ(mesh_topology(s.vertices, s.triangles).components, 1);  // throws unless closed and oriented
+    EXPECT_EQ(mesh_topology(s.vertices, s.triangles).genus, 0);
+    return area_and_volume(s.vertices, s.triangles).volume;
+  };
+  const TriangleSurface sphere = sphere_surface({Vec3(1, -2, 0.5), 0.7});
+  EXPECT_NEAR(measured(sphere), 4.0 / 3 * M_PI * std::pow(0.7, 3), 0.01);
+  for (const Vec3& x : sphere.vertices) EXPECT_NEAR((x - Vec3(1, -2, 0.5)).norm(), 0.7, 1e-14);
+  const TriangleSurface cylinder = cylinder_surface({Vec3(1, 1, 1), Vec3(3, 2, -1), 0.4});
+  EXPECT_NEAR(measured(cylinder), M_PI * 0.4 * 0.4 * 3, 0.01);
+  for (const Vec3& x : cylinder.vertices) {
+    const Vec3 axis = Vec3(2, 1, -2) / 3;
+    const double along = (x - Vec3(1, 1, 1)).dot(axis);
+    EXPECT_TRUE(std::abs(along) < 1e-14 || std::abs(along - 3) < 1e-14);
+    EXPECT_LT((x - Vec3(1, 1, 1)).cross(axis).norm(), 0.4 + 1e-14);
+  }
+}
+
+TEST(Basin, IsOneClosedSurfaceWithTheVolumeOfItsWallsAndIsOpenAbove) {
+  const TriangleSurface basin = basin_surface({Vec3(-1, 0, 2), Vec3(1, 3, 2.5), 0.25});
+  EXPECT_EQ(mesh_topology(basin.vertices, basin.triangles).components, 1);
+  EXPECT_EQ(mesh_topology(basin.vertices, basin.triangles).genus, 0);
+  EXPECT_NEAR(area_and_volume(basin.vertices, basin.triangles).volume, 2.5 * 3.25 * 1 - 3, 1e-14);
+  const WallDistance distance(std::vector{basin});
+  EXPECT_NEAR(distance.depth(Vec3(0, 2, 2.25)), -0.25, 1e-14);
+  EXPECT_NEAR(distance.depth(Vec3(0, 4, 2.25)), -std::hypot(1.0, 0.25), 1e-14);
+  EXPECT_NEAR(distance.depth(Vec3(0, -0.1, 2.25)), 0.1, 1e-14);
+}
+
 class Stairs : public testing::TestWithParam<int> {};
 
 TEST_P(Stairs, AreOneClosedSurfaceWithAnalyticVolumeAndArea) {

@@ -168,8 +168,8 @@ TEST(Walls, AThinWallIsAsGoodAsAThickOne) {
   EXPECT_NEAR(mean[true], mean[false], 2e-3);
 }
 
-RigidMotion turning() {
-  RigidMotion motion;
+BodyMotion turning() {
+  BodyMotion motion;
   motion.keys = {{0, Vec3(0.2, -0.1, 0.4), 0.7}};
   motion.axis = Vec3(2, 1, 2) / 3;
   motion.point = Vec3(0.3, 0.5, 0.1);
@@ -179,7 +179,7 @@ RigidMotion turning() {
 // A body that has moved acts as one that was built where it is.
 TEST(Walls, AMovedBodyIsFeltWhereItIs) {
   const std::vector<TriangleSurface> walls{box_surface({0, -0.3, 0}, {0.6, 0, 0.6})};
-  const RigidMotion motion = turning();
+  const BodyMotion motion = turning();
   const double time = 1.3;
   auto samples = sample_walls(walls, distances(walls), kSpacing);
   std::vector<Vec3> points = test::block({0, 0, 0}, {0.6, 0.1, 0.6}, kSpacing);

@@ -10,7 +10,7 @@ namespace kappaflow::test {
 /// Particles, neighbours and walls as FluidSolver prepares them for a step. Particles are in cell order.
 struct Liquid {
   Liquid(const std::vector<Vec3>& position, const std::vector<Vec3>& velocity, float spacing,
-         const std::vector<WallSample>& wall_samples = {}, const RigidMotion& motion = {})
+         const std::vector<WallSample>& wall_samples = {}, const BodyMotion& motion = {})
       : particles(particles_at_start(position, velocity)),
         search(spacing),
         walls(std::vector{WallBody{wall_samples, motion}}, spacing) {

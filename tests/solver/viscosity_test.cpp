@@ -174,7 +174,7 @@ TEST(Viscosity, WeightIsNormalisedInTheContinuum) {
 }
 
 /// A layer of liquid half a spacing above a wall whose particles are those of sample_walls().
-Liquid sliding_layer(const Vec3& velocity, const RigidMotion& motion = {}) {
+Liquid sliding_layer(const Vec3& velocity, const BodyMotion& motion = {}) {
   const double h = static_cast<double>(kSpacing);
   const std::vector<TriangleSurface> walls{test::box_surface({-2, -1, -2}, {2, 0, 2})};
   const std::vector<SolidDistance> solids(walls.begin(), walls.end());
@@ -209,7 +209,7 @@ TEST(Viscosity, WallsDoNotHoldLiquidThatLeavesOrMovesWithThem) {
   Liquid leaving = sliding_layer(Vec3(0, 1, 0));
   ViscositySolver(options(3, 1e-5)).solve(leaving.particles, leaving.lists, leaving.wall_sums, kTimeStep);
   EXPECT_NEAR(mean_speed(leaving, 1), 1, 1e-5);
-  RigidMotion motion;
+  BodyMotion motion;
   motion.keys = {{0, Vec3(1, 0, -2), 0}};
   Liquid carried = sliding_layer(Vec3(1, 0, -2), motion);
   ViscositySolver(options(3, 1e-5)).solve(carried.particles, carried.lists, carried.wall_sums, kTimeStep);

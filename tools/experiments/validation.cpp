@@ -19,7 +19,8 @@ Scene with_spacing(Scene scene, double spacing) {
 
 FluidSolver make_liquid(const Scene& scene) {
   const FluidParticlesAtStart start = fill_blocks(scene);
-  return {scene.fluid, start.position, start.velocity, wall_surfaces(scene), {}, start.fluid};
+  return {scene.fluid,          start.position,      start.velocity,
+          wall_surfaces(scene), wall_motions(scene), start.fluid};
 }
 
 void advance(FluidSolver& liquid, double time, const LiquidWatch& watch) {

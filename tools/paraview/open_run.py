@@ -26,9 +26,12 @@ def show(run, method, pvd, view):
     simple.ColorBy(display, ("POINTS", "checker"))
     display.MapScalars = 0  # checker holds colours, not values to look up
     display.SetScalarBarVisibility(view, False)
-    boundary = os.path.join(run, "boundary.vtp")
-    if os.path.exists(boundary):
-        walls = simple.XMLPolyDataReader(registrationName="walls", FileName=[boundary])
+    at_rest, moving = os.path.join(run, "boundary.vtp"), os.path.join(run, "boundary.pvd")
+    if os.path.exists(at_rest) or os.path.exists(moving):
+        if os.path.exists(moving):
+            walls = simple.PVDReader(registrationName="walls", FileName=moving)
+        else:
+            walls = simple.XMLPolyDataReader(registrationName="walls", FileName=[at_rest])
         walls_display = simple.Show(walls, view)
         walls_display.ColorArrayName = [None, ""]
         walls_display.DiffuseColor = [0.8, 0.8, 0.8]

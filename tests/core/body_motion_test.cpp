@@ -1,4 +1,4 @@
-#include "core/rigid_motion.h"
+#include "core/body_motion.h"
 
 #include <gtest/gtest.h>
 
@@ -8,31 +8,31 @@
 namespace kappaflow {
 namespace {
 
-RigidMotion ramp() {
-  RigidMotion motion;
+BodyMotion ramp() {
+  BodyMotion motion;
   motion.keys = {{0.5, Vec3(1, 0, 0), 0}, {1.5, Vec3(3, -1, 0), 2}, {2, Vec3(3, -1, 0.5), -1}};
   motion.axis = Vec3(1, 2, 2) / 3;
   motion.point = Vec3(0.3, -0.2, 0.7);
   return motion;
 }
 
-TEST(RigidMotion, AtRestNothingMoves) {
-  const RigidMotion rest;
+TEST(BodyMotion, AtRestNothingMoves) {
+  const BodyMotion rest;
   EXPECT_TRUE(rest.at_rest());
   EXPECT_EQ(rest.pose(3) * Vec3(1, 2, 3), Vec3(1, 2, 3));
   EXPECT_EQ(rest.velocity(3).at(Vec3(1, 2, 3)), Vec3(0, 0, 0));
 }
 
-TEST(RigidMotion, ConstantVelocityAndAQuarterTurn) {
-  RigidMotion motion;
+TEST(BodyMotion, ConstantVelocityAndAQuarterTurn) {
+  BodyMotion motion;
   motion.keys = {{0, Vec3(2, 0, 0), std::numbers::pi}};
   motion.point = Vec3(1, 1, 0);
   EXPECT_LT((motion.pose(0.5) * Vec3(2, 1, 5) - Vec3(2, 2, 5)).norm(), 1e-14);
   EXPECT_LT((motion.pose(-0.5) * Vec3(2, 1, 5) - Vec3(0, 0, 5)).norm(), 1e-14);
 }
 
-TEST(RigidMotion, PoseStartsAtRestAndItsDerivativeIsTheVelocity) {
-  const RigidMotion motion = ramp();
+TEST(BodyMotion, PoseStartsAtRestAndItsDerivativeIsTheVelocity) {
+  const BodyMotion motion = ramp();
   const Vec3 x(0.4, 1.2, -0.8);
   EXPECT_LT((motion.pose(0) * x - x).norm(), 1e-14);
   const double d = 1e-5;
@@ -45,9 +45,9 @@ TEST(RigidMotion, PoseStartsAtRestAndItsDerivativeIsTheVelocity) {
 
 // Between the keys the velocity is linear: the path is the trapezoidal sum, 0.5 * 1 + 1 * 2 + 0.5 * 3 at t
 // = 2.
-TEST(RigidMotion, PathIsTheIntegralOfTheVelocity) {
-  RigidMotion motion = ramp();
-  for (RigidMotion::Key& key : motion.keys) key.angular_velocity = 0;
+TEST(BodyMotion, PathIsTheIntegralOfTheVelocity) {
+  BodyMotion motion = ramp();
+  for (BodyMotion::Key& key : motion.keys) key.angular_velocity = 0;
   EXPECT_NEAR((motion.pose(2) * Vec3::Zero()).x(), 4, 1e-14);
   EXPECT_NEAR((motion.pose(3) * Vec3::Zero()).x(), 7, 1e-14);
   EXPECT_NEAR((motion.pose(1) * Vec3::Zero()).x(), 0.5 + 0.5 * (1 + 2) / 2, 1e-14);

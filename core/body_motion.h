@@ -30,7 +30,7 @@ struct RigidVelocity {
 /// A translation with a given velocity and a rotation about an axis through a point that takes part in the
 /// translation. Both velocities are linear in time between the keys, constant before the first and after the
 /// last.
-struct RigidMotion {
+struct BodyMotion {
   struct Key {
     double time = 0;              ///< [s]
     Vec3 velocity{0, 0, 0};       ///< [m/s]
@@ -46,7 +46,7 @@ struct RigidMotion {
   RigidPose pose(double time) const;  ///< exact; the rest position at t = 0
   RigidVelocity velocity(double time) const;
 
-  friend bool operator==(const RigidMotion&, const RigidMotion&) = default;
+  friend bool operator==(const BodyMotion&, const BodyMotion&) = default;
 };
 
 /// The surface in that pose.

@@ -1,4 +1,4 @@
-#include "core/rigid_motion.h"
+#include "core/body_motion.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -6,7 +6,7 @@
 namespace kappaflow {
 namespace {
 
-using Key = RigidMotion::Key;
+using Key = BodyMotion::Key;
 
 Key interpolated(const std::vector<Key>& keys, double time) {
   const auto next = std::find_if(keys.begin(), keys.end(), [=](const Key& key) { return key.time > time; });
@@ -51,14 +51,14 @@ Vec3 RigidVelocity::at(const Vec3& x) const {
   return linear + angular.cross(x - point);
 }
 
-RigidPose RigidMotion::pose(double time) const {
+RigidPose BodyMotion::pose(double time) const {
   if (at_rest()) return {};
   const Key moved = path(keys, time);
   const Mat3 rotation = Eigen::AngleAxisd(moved.angular_velocity, axis).toRotationMatrix();
   return {rotation, point + moved.velocity - rotation * point};
 }
 
-RigidVelocity RigidMotion::velocity(double time) const {
+RigidVelocity BodyMotion::velocity(double time) const {
   if (at_rest()) return {};
   const Key now = interpolated(keys, time);
   return {now.velocity, now.angular_velocity * axis, point + path(keys, time).velocity};
