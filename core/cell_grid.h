@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "core/bytes.h"
 #include "core/parallel.h"
 #include "core/types.h"
 
@@ -27,6 +28,7 @@ class CellGrid {
   void build(std::span<const Point> points, double cell_size);
 
   std::span<const std::uint32_t> order() const { return order_; }
+  std::size_t bytes() const { return bytes_of(cell_start_, order_, cell_of_); }
 
   /// Calls visit(begin, end) for runs [begin, end) of cell order that together hold every point within
   /// `radius` of x (and others). At most (2 radius / cell size + 2)^2 runs.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <utility>
 
 namespace kappaflow {
 
@@ -11,8 +12,14 @@ class Stopwatch {
   double seconds() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   }
+  /// Seconds since the last call of lap(), or since it was made.
+  double lap() {
+    const double before = std::exchange(lap_, seconds());
+    return lap_ - before;
+  }
 
  private:
+  double lap_ = 0;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 

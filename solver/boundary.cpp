@@ -108,6 +108,12 @@ std::size_t Walls::size() const {
   return n;
 }
 
+std::size_t Walls::bytes() const {
+  std::size_t sum = 0;
+  for (const Body& body : bodies_) sum += body.grid.bytes() + bytes_of(body.near, body.position, body.normal);
+  return sum;
+}
+
 void Walls::move_to(double time) {
   for (Body& body : bodies_) {
     body.pose = body.motion.pose(time);

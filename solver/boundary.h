@@ -32,6 +32,7 @@ struct WallSums {
   /// density [1/s]. Empty when no wall moves.
   std::vector<Vec4f> velocity;
 
+  std::size_t bytes() const { return bytes_of(contact, friction, velocity); }
   bool touches(std::size_t i) const { return contact[i] != kNone; }
   /// g (I - n n^T) u. Precondition: touches(i).
   Vec4f drag(std::size_t i, const Vec4f& u) const {
@@ -63,6 +64,7 @@ class Walls {
   Walls(std::span<const WallBody> bodies, float spacing);
 
   std::size_t size() const;
+  std::size_t bytes() const;
   /// Moves the walls to where they are at `time` [s].
   void move_to(double time);
   /// An upper bound of the walls' speed now [m/s].

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/bytes.h"
 #include "core/types.h"
 
 namespace kappaflow {
@@ -40,6 +41,11 @@ struct FluidParticles {
   std::vector<float> scalar_scratch;
 
   std::size_t size() const { return id.size(); }
+  std::size_t bytes() const {
+    return bytes_of(id, position, velocity, viscous_change, density_pressure, divergence_pressure, fluid,
+                    led_by, density, gradient_sum, gradient_square_sum, scratch[0], scratch[1], scratch[2],
+                    scalar_scratch);
+  }
 
   /// Appends a particle without pressure; its id is the number of those before.
   void add(const Vec3& x, const Vec3& v, std::uint8_t of_fluid, std::uint8_t emitter) {

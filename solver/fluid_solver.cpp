@@ -8,6 +8,7 @@
 
 #include "core/errors.h"
 #include "core/parallel.h"
+#include "core/stopwatch.h"
 #include "solver/boundary.h"
 #include "solver/boundary_sampling.h"
 #include "solver/neighbours.h"
@@ -85,7 +86,8 @@ struct FluidSolver::State {
         tension(o),
         emitters(o.emitters, o.spacing) {}
 
-  void update_neighbourhood();
+  void find_neighbours();
+  void sum_walls();
   double time_step(double time_left) const;
   void check_finite() const;
   void measure(FluidStep& done);
@@ -117,7 +119,8 @@ FluidSolver::FluidSolver(const FluidOptions& options, std::span<const Vec3> posi
   state_->emitters.emit(state_->particles, 0);
   if (size() == 0) throw InvalidInput("fluid: there are no particles at the start");
   state_->fastest = fastest_speed(state_->particles);
-  state_->update_neighbourhood();
+  state_->find_neighbours();
+  state_->sum_walls();
 }
 
 FluidSolver::~FluidSolver() = default;
@@ -127,31 +130,43 @@ FluidSolver& FluidSolver::operator=(FluidSolver&&) noexcept = default;
 FluidStep FluidSolver::step(double time_left) {
   State& s = *state_;
   FluidStep done;
+  Stopwatch watch;
   done.time_step = s.time_step(time_left);
   const float dt = static_cast<float>(done.time_step);
 
   accelerate(s.particles, padded(s.options.gravity), dt);
   s.tension.apply(s.particles, s.neighbours, dt);
   s.pressure.apply_last(s.particles, s.neighbours, dt);
+  done.seconds.forces = watch.lap();
   done.viscosity_iterations = s.viscosity.solve(s.particles, s.neighbours, s.wall_sums, dt);
+  done.seconds.viscosity = watch.lap();
   done.density_iterations = s.pressure.correct_density(s.particles, s.neighbours, s.wall_sums, dt).iterations;
+  done.seconds.density = watch.lap();
   s.check_finite();
   move(s.particles, dt);
   s.emitters.emit(s.particles, s.time + done.time_step);
   s.walls.move_to(s.time + done.time_step);
-  s.update_neighbourhood();
+  s.find_neighbours();
+  done.seconds.neighbours = watch.lap();
+  s.sum_walls();
+  done.seconds.walls = watch.lap();
   done.divergence_iterations =
       s.pressure.correct_divergence(s.particles, s.neighbours, s.wall_sums, dt).iterations;
+  done.seconds.divergence = watch.lap();
   s.check_finite();
 
   s.time += done.time_step;
   s.measure(done);
+  done.seconds.step = watch.seconds();
   return done;
 }
 
-void FluidSolver::State::update_neighbourhood() {
+void FluidSolver::State::find_neighbours() {
   search.sort(particles);
   search.find(particles, neighbours);
+}
+
+void FluidSolver::State::sum_walls() {
   walls.add_to(particles, wall_sums);
 }
 
@@ -184,6 +199,13 @@ void FluidSolver::State::measure(FluidStep& done) {
   done.density_error_mean = parallel_sum<double>(n, 0, compression) / static_cast<double>(n);
   done.density_error_max = static_cast<double>(parallel_max(n, 0.0f, compression));
   done.fastest = fastest = fastest_speed(particles);
+}
+
+SolverMemory FluidSolver::memory() const {
+  const State& s = *state_;
+  return {s.particles.bytes() + s.search.bytes() + s.neighbours.bytes() + s.wall_sums.bytes() +
+              s.viscosity.bytes(),
+          s.walls.bytes(), s.walls.size()};
 }
 
 double FluidSolver::time() const {

@@ -40,10 +40,11 @@ struct FluidOptions {
 
 /// Wall time of the phases of a step [s].
 struct SolverSeconds {
-  double neighbours = 0;  ///< sorting and search
-  double walls = 0;
+  double forces = 0;  ///< gravity, surface tension and the last step's pressure
   double viscosity = 0;
-  double density = 0;     ///< the constant-density solve, and the last one's pressure
+  double density = 0;     ///< the constant-density solve
+  double neighbours = 0;  ///< moving, sorting and search
+  double walls = 0;
   double divergence = 0;  ///< the divergence-free solve
   double step = 0;        ///< all of these and the rest
 };

@@ -42,6 +42,7 @@ struct NeighbourLists {
   std::vector<PairBlock> blocks;  ///< the rows, each padded to whole blocks
   float unit = 1;                 ///< of PairBlock::factor [1/m2]
 
+  std::size_t bytes() const { return bytes_of(rows, blocks); }
   std::span<const PairBlock> of(std::size_t i) const {
     return {blocks.data() + rows[i].begin, rows[i].count};
   }
@@ -61,6 +62,8 @@ class NeighbourSearch {
   /// gradient_sum = sum_j V grad W_ij and gradient_square_sum. Precondition: positions unchanged since
   /// sort().
   void find(FluidParticles& particles, NeighbourLists& lists);
+
+  std::size_t bytes() const { return grid_.bytes() + bytes_of(id_buffer_, byte_buffer_); }
 
  private:
   static constexpr std::size_t kChunk = 128;    // particles whose neighbours one task finds

@@ -44,6 +44,8 @@ class ViscositySolver {
   void apply(const FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,
              float time_step, const std::vector<Vec4f>& u, std::vector<Vec4f>& result) const;
 
+  std::size_t bytes() const { return bytes_of(inverse_diagonal_); }
+
  private:
   Vec4f apply_to(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists,
                  const WallSums& walls, float time_step, const std::vector<Vec4f>& u) const;

@@ -28,6 +28,7 @@ struct Measurement {
     density_iterations += share * step.density_iterations;
     divergence_iterations += share * step.divergence_iterations;
     viscosity_iterations += share * step.viscosity_iterations;
+    seconds.forces += share * step.seconds.forces;
     seconds.neighbours += share * step.seconds.neighbours;
     seconds.walls += share * step.seconds.walls;
     seconds.viscosity += share * step.seconds.viscosity;
@@ -48,9 +49,11 @@ Measurement measure(const Scene& scene, int threads, const BenchmarkOptions& opt
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   static_cast<std::size_t>(threads));
   const FluidParticlesAtStart start = fill_blocks(scene);
-  const Walls_ walls = walls_of(scene);
-  FluidSolver solver(scene.fluid, start.position, start.velocity, walls.surfaces, walls.motions, start.fluid);
-  Measurement result{.particles = start.position.size(), .threads = threads};
+  FluidSolver solver(scene.fluid, start.position, start.velocity, wall_surfaces(scene), wall_motions(scene),
+                     start.fluid);
+  Measurement result;
+  result.particles = start.position.size();
+  result.threads = threads;
   for (int k = 0; k < options.warm_up + options.steps; ++k) {
     draw_status_line(fmt::format("{} particles, {} thread{}: step {} of {}", result.particles, threads,
                                  threads == 1 ? "" : "s", k + 1, options.warm_up + options.steps));
@@ -78,6 +81,7 @@ constexpr Column kColumns[] = {
     {"wall_particles", [](const Measurement& m) { return static_cast<double>(m.memory.wall_particles); }, 0},
     {"threads", [](const Measurement& m) { return static_cast<double>(m.threads); }, 0},
     {"step_ms", [](const Measurement& m) { return 1e3 * m.seconds.step; }, 1},
+    {"forces_ms", [](const Measurement& m) { return 1e3 * m.seconds.forces; }, 1},
     {"neighbours_ms", [](const Measurement& m) { return 1e3 * m.seconds.neighbours; }, 1},
     {"walls_ms", [](const Measurement& m) { return 1e3 * m.seconds.walls; }, 1},
     {"viscosity_ms", [](const Measurement& m) { return 1e3 * m.seconds.viscosity; }, 1},

@@ -16,8 +16,9 @@ struct BenchmarkOptions {
 };
 
 /// Runs the scene's liquid at every size with every number of threads and returns a table: time a step and by
-/// phase, iterations, particle steps a second, seconds a simulated second, bytes a particle. A size is reached
-/// by another particle spacing, everything else stays. Writes the same as CSV. Throws as FluidSolver does.
+/// phase, iterations, particle steps a second, seconds a simulated second, bytes a particle. A size is
+/// reached by another particle spacing, everything else stays. Writes the same as CSV. Throws as FluidSolver
+/// does.
 std::string benchmark(const BenchmarkOptions& options);
 
 }  // namespace kappaflow

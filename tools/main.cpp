@@ -14,6 +14,7 @@
 #include "core/errors.h"
 #include "core/version.h"
 #include "surface/motion/velocity.h"
+#include "tools/benchmark.h"
 #include "tools/check.h"
 #include "tools/experiments/experiment.h"
 #include "tools/probe.h"
@@ -97,6 +98,7 @@ struct CommandLine {
   RunOptions run;
   double duration = 0;
   std::filesystem::path check_scene;
+  BenchmarkOptions benchmark;
   ProbeOptions probe;
   RenderOptions render;
   ExperimentOptions experiment;
@@ -155,6 +157,30 @@ CLI::App* add_check(CLI::App& app, CommandLine& line) {
   add_threads(*check, line);
   check->footer(footer("kappaflow check scenes/staircase.toml"));
   return check;
+}
+
+CLI::App* add_benchmark(CLI::App& app, CommandLine& line) {
+  CLI::App* benchmark =
+      app.add_subcommand("benchmark", "Time the solver's phases on a scene, at several sizes and threads");
+  benchmark->add_option("SCENE", line.benchmark.scene, "Scene file (.toml)")->required();
+  benchmark
+      ->add_option("--particles", line.benchmark.particles,
+                   "Numbers of particles, reached by another spacing (default: the scene's)")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->type_name("NUMBERS")
+      ->check(whole_number(100, 100000000));
+  benchmark->add_option("--threads", line.benchmark.threads, "Numbers of threads (default: all cores)")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->type_name("NUMBERS")
+      ->check(whole_number(1, 1024));
+  benchmark->add_option("--steps", line.benchmark.steps, "Solver steps to measure (default: 20)")
+      ->check(whole_number(1, 100000));
+  benchmark->add_option("--out", line.benchmark.csv, "The table as CSV too");
+  benchmark->footer(
+      footer("kappaflow benchmark scenes/staircase.toml --particles 10000,100000 --threads 1,2"));
+  return benchmark;
 }
 
 CLI::App* add_probe(CLI::App& app, CommandLine& line) {
@@ -237,6 +263,10 @@ int execute(const CLI::App& app, CommandLine& line, char** argv) {
     return run(line.run);
   }
   if (app.got_subcommand("check")) fmt::print("{}", check_text(load_scene(line.check_scene), line.threads));
+  if (app.got_subcommand("benchmark")) {
+    if (line.benchmark.threads.empty()) line.benchmark.threads = {line.threads};
+    fmt::print("{}", benchmark(line.benchmark));
+  }
   if (app.got_subcommand("probe")) fmt::print("{}", probe(line.probe));
   if (app.got_subcommand("render")) {
     ensure_display(argv);
@@ -257,8 +287,9 @@ int parse_and_execute(int argc, char** argv) {
   app.set_version_flag("--version", fmt::format("kappaflow {}\n{}", kVersion, build_description()));
   app.footer(footer("kappaflow run scenes/staircase.toml"));
   app.require_subcommand(1);
-  const std::vector<CLI::App*> commands{add_run(app, line), add_check(app, line), add_probe(app, line),
-                                        add_render(app, line), add_experiment(app, line)};
+  const std::vector<CLI::App*> commands{add_run(app, line),       add_check(app, line),
+                                        add_benchmark(app, line), add_probe(app, line),
+                                        add_render(app, line),    add_experiment(app, line)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help_or_version) {
