@@ -30,12 +30,12 @@ TEST_P(Staircase, KeepsDensityAndWalls) {
   while (solver.time() < c.duration) {
     const FluidStep step = solver.step(c.duration - solver.time());
     ASSERT_LT(step.density_error_mean, 1e-3) << "at " << solver.time();
-    ASSERT_LT(step.density_error_max, 0.06) << "at " << solver.time();
+    ASSERT_LT(step.density_error_max, 0.07) << "at " << solver.time();
     // Nothing gains more than free fall from where it started gives.
     ASSERT_LT(step.fastest, 1.2 + 9.81 * solver.time() + 0.5) << "at " << solver.time();
     for (const Vec3& x : solver.particles().position)
       deepest = std::max(deepest, -nearest_of_union(solids, x).distance / c.spacing);
-    ASSERT_LT(deepest, 0.5) << "at " << solver.time();
+    ASSERT_LT(deepest, 0.6) << "at " << solver.time();
   }
   const Particles p = solver.particles();
   EXPECT_TRUE(std::any_of(p.position.begin(), p.position.end(), [](const Vec3& x) { return x.x() > 0.1; }))

@@ -12,6 +12,7 @@
 #include "tools/experiments/hydrostatic.h"
 #include "tools/experiments/minimisers.h"
 #include "tools/experiments/motions.h"
+#include "tools/experiments/plane_flow.h"
 #include "tools/experiments/rigid_figures.h"
 #include "tools/experiments/validation.h"
 #include "tools/files.h"
@@ -101,6 +102,10 @@ std::span<const Experiment> experiments() {
       Experiment{"enright-exact", "experiments/enright.toml",
                  "the same on the exact implicit function; minutes, and not part of \"all\"",
                  experiment_enright_exact, "", false},
+      Experiment{"validate-poiseuille", "experiments/validate-poiseuille.toml",
+                 "plane Poiseuille flow between plates: profile and order", validate_poiseuille},
+      Experiment{"validate-couette", "experiments/validate-couette.toml",
+                 "plane Couette flow between moving plates: profile and order", validate_couette},
       Experiment{"validate-hydrostatic", "experiments/validate-hydrostatic.toml",
                  "liquid at rest in a basin: pressure and level", validate_hydrostatic},
       Experiment{"validate-drop", "experiments/validate-drop.toml",
