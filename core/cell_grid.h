@@ -28,6 +28,11 @@ class CellGrid {
   void build(std::span<const Point> points, double cell_size);
 
   std::span<const std::uint32_t> order() const { return order_; }
+  /// Gives back what only order() and cell_at() need.
+  void forget_points() {
+    order_ = {};
+    cell_of_ = {};
+  }
   std::size_t bytes() const { return bytes_of(cell_start_, order_, cell_of_); }
 
   /// Calls visit(begin, end) for runs [begin, end) of cell order that together hold every point within
@@ -140,7 +145,7 @@ inline void CellGrid::sort_by_cell() {
 
 template <class Point, class Visit>
 void CellGrid::ranges_near(const Point& x, double radius, const Visit& visit) const {
-  if (order_.empty()) return;
+  if (cell_start_.empty()) return;
   std::array<int, 3> first, last;
   for (int a = 0; a < 3; ++a) {
     first[a] = std::max(clamped_cell(static_cast<double>(x[a]) - radius, a), 0);

@@ -99,6 +99,7 @@ Walls::Body Walls::make_body(const WallBody& wall) const {
     body.grid.ranges_around(static_cast<std::uint32_t>(cell),
                             [&](std::uint32_t, std::uint32_t) { body.near[cell] = true; });
   });
+  body.grid.forget_points();
   return body;
 }
 

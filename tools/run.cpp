@@ -165,6 +165,11 @@ RunSummary run_scene(const RunOptions& options) {
   const InterruptGuard interrupt_guard;
   const Stopwatch watch;
   const Scene scene = load_scene_for(options);
+  if (scene.surface.methods.empty())
+    throw InvalidInput(
+        fmt::format("{}: no velocity method to track with; name one in [surface] methods or by "
+                    "--track, \"material\" where only the liquid matters",
+                    scene.file.string()));
   RunFolder folder(folder_for(options), scene.surface.methods, options.force);
   Simulation simulation(scene);
   folder.write_record(run_record(options, scene, simulation));

@@ -17,10 +17,12 @@ struct Bounds {
   bool empty() const { return (lower.array() > upper.array()).any(); }
 };
 
-/// Values of f on a regular lattice: point (i, j, k) is origin + spacing (i, j, k), index x-fastest.
+/// Values of f on planes of a regular lattice: point (i, j, k) is origin + spacing (i, j, first_plane + k),
+/// index x-fastest. A plane's values do not depend on which others are sampled with it.
 struct SampledField {
   Vec3 origin = Vec3::Zero();
   double spacing = 0;
+  int first_plane = 0;
   std::array<int, 3> dims{0, 0, 0};
   std::vector<float> value;
 };

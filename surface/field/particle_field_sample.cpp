@@ -24,15 +24,19 @@ struct IndexRange {
   int first, last;
 };
 
-/// Sums over particles on the planes [first, last] of a lattice, in double precision.
+/// Sums over particles on some planes of a lattice, in double precision.
 class Slab {
  public:
-  Slab(const std::array<int, 3>& dims, int first_plane)
-      : dims_(dims),
-        first_(first_plane),
-        last_(std::min(first_plane + kSlabPlanes, dims[2]) - 1),
-        stride_(static_cast<std::size_t>(dims[0] + kLanes - 1)),
-        sums_(stride_ * dims[1] * (last_ - first_ + 1), 0.0) {}
+  /// The s-th slab of the samples.
+  Slab(const SampledField& samples, int s)
+      : dims_(samples.dims),
+        offset_(s * kSlabPlanes),
+        first_(samples.first_plane + offset_),
+        last_(samples.first_plane + std::min(offset_ + kSlabPlanes, dims_[2]) - 1),
+        stride_(static_cast<std::size_t>(dims_[0] + kLanes - 1)),
+        sums_(stride_ * dims_[1] * (last_ - first_ + 1), 0.0) {}
+
+  bool reached(double z, double sigma) const { return z + sigma >= first_ && z - sigma <= last_; }
 
   /// Adds w (1 - r^2)^3 of one particle; centre and sigma in units of the spacing from the lattice's origin.
   void add(const Vec3& centre, double sigma, double weight);
@@ -46,7 +50,8 @@ class Slab {
   }
 
   std::array<int, 3> dims_;
-  int first_, last_;
+  int offset_;          // of the slab in the samples
+  int first_, last_;    // planes of the lattice
   std::size_t stride_;  // a row may be written up to kLanes - 1 points past its end
   std::vector<double> sums_;
   std::vector<Lanes> dx2_;  // (dx/sigma)^2 of the columns in reach, kept between particles
@@ -74,7 +79,7 @@ void Slab::add(const Vec3& centre, double sigma, double weight) {
 
 void Slab::write(double threshold, std::vector<float>& value) const {
   const std::size_t rows = static_cast<std::size_t>(dims_[1]) * (last_ - first_ + 1);
-  float* out = value.data() + static_cast<std::size_t>(dims_[0]) * dims_[1] * first_;
+  float* out = value.data() + static_cast<std::size_t>(dims_[0]) * dims_[1] * offset_;
   for (std::size_t r = 0; r < rows; ++r)
     for (int i = 0; i < dims_[0]; ++i) *out++ = static_cast<float>(sums_[r * stride_ + i] - threshold);
 }
@@ -86,13 +91,11 @@ void ParticleField::sample(SampledField& samples) const {
   samples.value.resize(static_cast<std::size_t>(dims[0]) * dims[1] * dims[2]);
   const double inverse_spacing = 1 / samples.spacing;
   const auto fill_slab = [&](std::size_t s) {
-    const int first = static_cast<int>(s) * kSlabPlanes;
-    Slab slab(dims, first);
+    Slab slab(samples, static_cast<int>(s));
     for (std::size_t p = 0; p < x_.size(); ++p) {
       const Vec3 centre = inverse_spacing * (Vec3(x_[p], y_[p], z_[p]) - samples.origin);
       const double sigma = source_[p].sigma * inverse_spacing;
-      if (centre[2] + sigma >= first && centre[2] - sigma <= first + kSlabPlanes)
-        slab.add(centre, sigma, weight_[p]);
+      if (slab.reached(centre[2], sigma)) slab.add(centre, sigma, weight_[p]);
     }
     slab.write(threshold_, samples.value);
   };

@@ -15,8 +15,8 @@ Mat3 SteadyMotion::rotation(double t) const {
   return Eigen::AngleAxisd(rate * t, angular_velocity / rate).toRotationMatrix();
 }
 
-RigidParticles::RigidParticles(FieldParticles at_rest, double threshold, const SteadyMotion& motion, double t0,
-                               double t1)
+RigidParticles::RigidParticles(FieldParticles at_rest, double threshold, const SteadyMotion& motion,
+                               double t0, double t1)
     : at_rest_(std::move(at_rest)), threshold_(threshold), motion_(motion), t0_(t0), t1_(t1) {
   if (!(t0 < t1)) throw InvalidInput(fmt::format("a step from t = {} s to {} s does not go forward", t0, t1));
   at_rest_.velocity.resize(at_rest_.position.size());

@@ -12,7 +12,10 @@
 #include <vtkPointData.h>
 #include <vtkPolyData.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
+#include <span>
 
 #include "core/errors.h"
 #include "core/parallel.h"
@@ -21,8 +24,8 @@ namespace kappaflow {
 namespace {
 
 constexpr double kMostPoints = 2147483648.0;  // 2^31
-// Share of the largest |f| below which a sample counts as this far from zero: a sample of exactly zero would
-// put several vertices on the same lattice point.
+// Share of the largest |f| of a plane below which a sample counts as this far from zero: a sample of exactly
+// zero would put several vertices on the same lattice point.
 constexpr float kSmallestSample = 1e-6f;
 
 /// The lattice over the field's bounds, padded so that its outermost points have f < 0.
@@ -41,16 +44,20 @@ SampledField lattice(const Field& field, double spacing) {
   return samples;
 }
 
-void move_off_zero(std::vector<float>& value) {
-  const float largest = parallel_max(
-      value.size(), 0.0f, [&](std::size_t i) { return std::abs(value[i]); }, 65536);
-  const float smallest = kSmallestSample * largest;
+/// Plane by plane, so that a plane which two slabs share gets the same values in both.
+void move_off_zero(SampledField& samples) {
+  const std::size_t plane = static_cast<std::size_t>(samples.dims[0]) * samples.dims[1];
   parallel_for(
-      value.size(),
-      [&](std::size_t i) {
-        if (std::abs(value[i]) < smallest) value[i] = value[i] > 0 ? smallest : -smallest;
+      static_cast<std::size_t>(samples.dims[2]),
+      [&](std::size_t k) {
+        const std::span value = std::span(samples.value).subspan(k * plane, plane);
+        float largest = 0;
+        for (const float v : value) largest = std::max(largest, std::abs(v));
+        const float smallest = kSmallestSample * largest;
+        for (float& v : value)
+          if (std::abs(v) < smallest) v = v > 0 ? smallest : -smallest;
       },
-      65536);
+      1);
 }
 
 /// Runs the extractor in lattice units: its vertices are float, and so keep seven digits of a lattice's
@@ -72,39 +79,67 @@ vtkNew<vtkPolyData> flying_edges(SampledField& samples) {
   return surface;
 }
 
-std::vector<Vec3> positions(vtkPolyData& surface, const SampledField& samples) {
-  std::vector<Vec3> position(static_cast<std::size_t>(surface.GetNumberOfPoints()));
-  for (std::size_t v = 0; v < position.size(); ++v) {
-    surface.GetPoint(static_cast<vtkIdType>(v), position[v].data());
-    position[v] = samples.origin + samples.spacing * position[v];
+/// Sews the surfaces of slabs together that follow one another and share a plane.
+class Seam {
+ public:
+  void add(vtkPolyData& surface, const SampledField& samples) {
+    std::vector<int> index(static_cast<std::size_t>(surface.GetNumberOfPoints()));
+    const int last = samples.dims[2] - 1;
+    PlaneVertices top;
+    for (std::size_t v = 0; v < index.size(); ++v) {
+      Vec3 x;
+      surface.GetPoint(static_cast<vtkIdType>(v), x.data());
+      const std::pair in_plane(x[0], x[1]);
+      const auto known = x[2] == 0 ? bottom_.find(in_plane) : bottom_.end();
+      index[v] = known != bottom_.end() ? known->second : static_cast<int>(position.size());
+      if (known == bottom_.end())
+        position.push_back(samples.origin + samples.spacing * Vec3(x[0], x[1], samples.first_plane + x[2]));
+      if (x[2] == last) top.emplace(in_plane, index[v]);
+    }
+    add_triangles(surface, index);
+    bottom_ = std::move(top);
   }
-  return position;
-}
 
-std::vector<Triangle> triangles(vtkPolyData& surface) {
+  std::vector<Vec3> position;
   std::vector<Triangle> triangles;
-  triangles.reserve(static_cast<std::size_t>(surface.GetNumberOfPolys()));
-  const auto cells = vtk::TakeSmartPointer(surface.GetPolys()->NewIterator());
-  vtkIdType corners = 0;
-  const vtkIdType* v = nullptr;
-  for (cells->GoToFirstCell(); !cells->IsDoneWithTraversal(); cells->GoToNextCell()) {
-    cells->GetCurrentCell(corners, v);
-    triangles.push_back({static_cast<int>(v[0]), static_cast<int>(v[1]), static_cast<int>(v[2])});
+
+ private:
+  /// By coordinates in the plane, in units of the spacing. Both slabs compute them from the same samples.
+  using PlaneVertices = std::map<std::pair<double, double>, int>;
+
+  void add_triangles(vtkPolyData& surface, const std::vector<int>& index) {
+    const auto cells = vtk::TakeSmartPointer(surface.GetPolys()->NewIterator());
+    vtkIdType corners = 0;
+    const vtkIdType* v = nullptr;
+    for (cells->GoToFirstCell(); !cells->IsDoneWithTraversal(); cells->GoToNextCell()) {
+      cells->GetCurrentCell(corners, v);
+      triangles.push_back({index[static_cast<std::size_t>(v[0])], index[static_cast<std::size_t>(v[1])],
+                           index[static_cast<std::size_t>(v[2])]});
+    }
   }
-  return triangles;
-}
+
+  PlaneVertices bottom_;
+};
 
 }  // namespace
 
-TriangleMesh extract_isosurface(const Field& field, double spacing) {
+TriangleMesh extract_isosurface(const Field& field, double spacing, std::size_t points_at_once) {
   if (!(spacing > 0) || !std::isfinite(spacing))
     throw InvalidInput(fmt::format("the spacing of an isosurface is {} m; it must be positive", spacing));
   SampledField samples = lattice(field, spacing);
-  if (samples.dims[0] == 0) return {};
-  field.sample(samples);
-  move_off_zero(samples.value);
-  const vtkNew<vtkPolyData> surface = flying_edges(samples);
-  return make_triangle_mesh(positions(*surface, samples), triangles(*surface));
+  const int planes = samples.dims[2];
+  if (planes == 0) return {};
+  const std::size_t plane = static_cast<std::size_t>(samples.dims[0]) * samples.dims[1];
+  const int at_once = static_cast<int>(std::clamp<std::size_t>(points_at_once / plane, 2, planes));
+  Seam seam;
+  for (; samples.first_plane < planes - 1; samples.first_plane += at_once - 1) {
+    samples.dims[2] = std::min(at_once, planes - samples.first_plane);
+    field.sample(samples);
+    move_off_zero(samples);
+    const vtkNew<vtkPolyData> surface = flying_edges(samples);
+    seam.add(*surface, samples);
+  }
+  return make_triangle_mesh(std::move(seam.position), std::move(seam.triangles));
 }
 
 }  // namespace kappaflow

@@ -213,7 +213,7 @@ TEST(Topology, OpenMisorientedAndDoubledMeshesAreRefused) {
 TEST(Isosurface, ClosedManifoldWhateverTheSigns) {
   for (unsigned seed = 0; seed < 25; ++seed) {
     const NoiseField field(seed, 0.1 + 0.03 * seed, 12);
-    const TriangleMesh mesh = extract_isosurface(field, 1);
+    const TriangleMesh mesh = extract_isosurface(field, 1, seed % 2 == 0 ? 0 : 100000);
     EXPECT_NO_THROW(mesh_topology(mesh.position, mesh.triangles)) << seed;
     EXPECT_TRUE(has_single_fans(mesh)) << seed;
     EXPECT_GT(area_and_volume(mesh.position, mesh.triangles).volume, 0) << seed;
@@ -258,6 +258,30 @@ TEST(Isosurface, VerticesAreNearTheSurfaceAndAllUsed) {
   for (const Vec3& x : mesh.position) EXPECT_NEAR((x - Vec3(100, 0, 0)).norm(), 1, 0.1 * 0.1 / 4);
   EXPECT_EQ(mesh.rest_position, mesh.position);
   EXPECT_EQ(mesh.unprojected, std::vector<char>(mesh.vertex_count(), 0));
+}
+
+TEST(Isosurface, SlabsAreSewnIntoTheSameSurface) {
+  const auto corners = [](const TriangleMesh& mesh) {
+    std::multiset<std::array<std::array<double, 3>, 3>> result;
+    for (const Triangle& t : mesh.triangles) {
+      std::array<std::array<double, 3>, 3> triangle;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const Vec3& x = mesh.position[t[c]];
+        triangle[c] = {x[0], x[1], x[2]};
+      }
+      std::rotate(triangle.begin(), std::ranges::min_element(triangle), triangle.end());
+      result.insert(triangle);
+    }
+    return result;
+  };
+  const auto field = testing::random_blobs(4, 60, 1.6);
+  const TriangleMesh whole = extract_isosurface(field, 0.1);
+  for (const std::size_t points : {std::size_t{0}, std::size_t{7000}}) {
+    const TriangleMesh sewn = extract_isosurface(field, 0.1, points);
+    EXPECT_EQ(sewn.vertex_count(), whole.vertex_count());
+    EXPECT_EQ(corners(sewn), corners(whole));
+    EXPECT_NO_THROW(mesh_topology(sewn.position, sewn.triangles));
+  }
 }
 
 TEST(Isosurface, EmptyFieldsAndWrongSpacings) {
