@@ -7,8 +7,10 @@
 
 #include "core/errors.h"
 #include "tools/experiments/conservation.h"
+#include "tools/experiments/dam_break.h"
 #include "tools/experiments/enright.h"
 #include "tools/experiments/fig9.h"
+#include "tools/experiments/gravity_current.h"
 #include "tools/experiments/hydrostatic.h"
 #include "tools/experiments/minimisers.h"
 #include "tools/experiments/motions.h"
@@ -108,6 +110,11 @@ std::span<const Experiment> experiments() {
                  "plane Couette flow between moving plates: profile and order", validate_couette},
       Experiment{"validate-hydrostatic", "experiments/validate-hydrostatic.toml",
                  "liquid at rest in a basin: pressure and level", validate_hydrostatic},
+      Experiment{"validate-dam-break", "experiments/validate-dam-break.toml",
+                 "the front of a collapsing column against Martin & Moyce (1952)", validate_dam_break},
+      Experiment{"validate-gravity-current", "experiments/validate-gravity-current.toml",
+                 "viscous liquid spreads on a floor: Huppert's (1982) similarity solution",
+                 validate_gravity_current},
       Experiment{"validate-drop", "experiments/validate-drop.toml",
                  "a spinning drop: linear and angular momentum", validate_drop},
       Experiment{"validate-basin", "experiments/validate-basin.toml",
