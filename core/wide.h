@@ -30,8 +30,8 @@ inline WideVec gather(const Vec4f* points, const std::uint16_t* index) {
   using Eight [[gnu::vector_size(32)]] = float;
   const auto both = [&](int k) {  // points k and k + 4
     Four low, high;
-    std::memcpy(&low, points + index[k], sizeof low);
-    std::memcpy(&high, points + index[k + 4], sizeof high);
+    std::memcpy(&low, points[index[k]].data(), sizeof low);
+    std::memcpy(&high, points[index[k + 4]].data(), sizeof high);
     return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
   };
   const Eight a = both(0), b = both(1), c = both(2), d = both(3);

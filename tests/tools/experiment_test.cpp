@@ -198,9 +198,10 @@ class ExperimentCommand : public Scratch {};
 
 TEST_F(ExperimentCommand, MistakesAreOneLine) {
   const std::string out = (folder / "out").string();
-  EXPECT_EQ(run_program({"experiment", "fig6", "--out", out})
-                .err.find("kappaflow: error: unknown experiment \"fig6\"; experiments are all, validate, fig3"),
-            0u);
+  EXPECT_EQ(
+      run_program({"experiment", "fig6", "--out", out})
+          .err.find("kappaflow: error: unknown experiment \"fig6\"; experiments are all, validate, fig3"),
+      0u);
   ASSERT_EQ(run_program({"experiment", "fig3", "--quick", "--quiet", "--out", out}).exit_code, 0);
   const ProgramResult again = run_program({"experiment", "fig3", "--quick", "--out", out});
   EXPECT_EQ(again.exit_code, 2);
