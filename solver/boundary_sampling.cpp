@@ -68,8 +68,8 @@ std::vector<WallSample> at_depth(const std::vector<WallSample>& candidates,
 /// Greedy maximal subset with no two points under the same side nearer than `distance`, visited in
 /// pseudo-random order.
 std::vector<WallSample> poisson_disk_subset(const std::vector<WallSample>& candidates, double distance) {
-  std::vector<Vec3> points;
-  for (const WallSample& candidate : candidates) points.push_back(candidate.position);
+  std::vector<Vec3> points(candidates.size());
+  std::ranges::transform(candidates, points.begin(), &WallSample::position);
   CellGrid grid;
   grid.build(std::span<const Vec3>(points), distance);
   const auto cell_order = grid.order();

@@ -75,8 +75,8 @@ double emitted_layers(const Emitter& emitter, double spacing, std::size_t layer_
   const double rate = emitter.speed / spacing;
   const double due = std::floor(rate * (time - emitter.start) + kNozzleLength + 0.5);
   const double all = std::floor(rate * (emitter.end - emitter.start) + 0.5);
-  const double limit = static_cast<double>(emitter.max_particles / layer_size);
-  return std::min({due, all, limit});
+  const std::size_t limit = emitter.max_particles / layer_size;  // whole layers
+  return std::min({due, all, static_cast<double>(limit)});
 }
 
 void check_emitter(const Emitter& emitter, double spacing, std::size_t fluids) {

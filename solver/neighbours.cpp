@@ -30,7 +30,7 @@ void NeighbourSearch::Scratch::collect(const CellGrid& grid, std::size_t begin, 
       candidate.resize(2 * room);
     }
     for (std::uint32_t k = first; k < last; ++k) {
-      const Vec4f p = position[k];
+      const Vec4f& p = position[k];
       x[count] = p[0], y[count] = p[1], z[count] = p[2], candidate[count] = k;
       const Vec4f outside = (lower - p).cwiseMax(p - upper).cwiseMax(0.0f);
       count += outside.squaredNorm() < support * support;

@@ -106,7 +106,7 @@ void ViscositySolver::invert_diagonal(const FluidParticles& particles, const Nei
 int ViscositySolver::solve(FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,
                            float time_step) {
   const std::size_t n = particles.size();
-  auto& [residual, direction, image] = particles.scratch;
+  auto &residual = particles.scratch[0], &direction = particles.scratch[1], &image = particles.scratch[2];
   residual.resize(n);
   image.resize(n);
   direction.assign(n, Vec4f::Zero());  // resize() leaves Eigen's vectors uninitialised, and 0 * NaN is NaN
