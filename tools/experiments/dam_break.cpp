@@ -71,6 +71,7 @@ double relative_error(const Result& r) {
 
 void judge(const std::vector<Result>& results, Report& report) {
   std::vector<Bounded> errors;
+  errors.reserve(results.size());
   for (const Result& r : results)
     errors.push_back({fmt::format("spacing {:.3g} m", r.spacing), relative_error(r), kLimit});
   report.statements.push_back(within_limits("Martin & Moyce 1952, Fig. 3",
@@ -81,6 +82,7 @@ void judge(const std::vector<Result>& results, Report& report) {
                                             "to tear, and a dry floor slows a thin front."));
   if (results.size() < 2) return;
   std::vector<Vec2> fine;
+  fine.reserve(kMeasured.size());
   for (const Vec2& p : kMeasured) fine.emplace_back(p.x(), front_at(results.back(), p.x()));
   const double difference =
       rms_difference(fine, [&](double time) { return front_at(results.front(), time); }) /
