@@ -197,7 +197,8 @@ void write_meshes(const std::vector<MethodResult>& results, const ExperimentCont
       const Sample& s = r.*member;
       const auto data = surface_data(
           {time, s.mesh, s.state, checker_colours(s.mesh.rest_position, EnrightFlow::kRadius / 3),
-           texture_coordinates(s.mesh.rest_position, TextureProjection::spherical)});
+           texture_coordinates(s.mesh.rest_position, bounding_box(s.mesh.rest_position),
+                               TextureProjection::spherical)});
       write_vtp(context.folder / fmt::format("{}_{}.vtp", r.method, name), *data);
       panels.push_back({fmt::format("{}, t = {} s", r.method, time), data});
     }
