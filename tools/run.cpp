@@ -42,6 +42,7 @@ Scene load_scene_for(const RunOptions& options) {
   Scene scene = load_scene(options.scene);
   if (options.duration) scene.duration = *options.duration;
   if (options.minimiser) scene.surface.tracker.velocity.minimiser = *options.minimiser;
+  if (options.keep_connectivity) scene.surface.remesh = false;
   if (!options.methods.empty()) scene.surface.methods = options.methods;
   return scene;
 }
