@@ -61,7 +61,7 @@ TEST(TextureCoordinates, BoxUsesTheNearestFace) {
 }
 
 TEST(TextureCoordinates, FlatAndEmptyInputsAreFinite) {
-  EXPECT_TRUE(texture_coordinates({}, TextureProjection::box).empty());
+  EXPECT_TRUE(texture_coordinates({}, Bounds{}, TextureProjection::box).empty());
   const std::vector<Vec3> point{{1, 2, 3}};
   for (const auto p : {TextureProjection::planar, TextureProjection::spherical, TextureProjection::box})
     EXPECT_EQ(texture_coordinates(point, bounding_box(point), p)[0], Vec2(0.5, 0.5));
