@@ -20,15 +20,15 @@ TrackerStep SurfaceTracker::step(FieldMotion& motion) {
   TrackerStep report;
   report.velocity_seconds = seconds_of([&] { advect(motion); });
   const std::shared_ptr<const Field> field = motion.at(motion.t1());
-  const double project_seconds = seconds_of([&] { report.residual_max = project(*field); });
+  report.fairing_seconds = seconds_of([&] {
+    report.residual_max = project(*field);
+    const double residual = fair(*field, rings_, options_.fairing, options_.projection,
+                                 motion.t1() - motion.t0(), mesh_, fairing_);
+    if (options_.fairing.iterations > 0) report.residual_max = residual;
+  });
   if (options_.remeshing.edge_length > 0)
     report.remesh_seconds = seconds_of([&] { report.edits = remesh(*field); });
-  report.fairing_seconds = project_seconds + seconds_of([&] {
-                             const double residual =
-                                 fair(*field, rings_, options_.fairing, options_.projection,
-                                      motion.t1() - motion.t0(), mesh_, fairing_);
-                             if (options_.fairing.iterations > 0) report.residual_max = residual;
-                           });
+  report.residual_max = std::max(report.residual_max, report.edits.residual_max);
   report.unprojected = static_cast<std::size_t>(std::ranges::count(mesh_.unprojected, 1));
   return report;
 }
