@@ -77,7 +77,8 @@ struct SurfaceDescription {
   double edge_length = 0.5;  ///< spacing of the first mesh's lattice in units of sigma
   /// To track with, from velocity_methods(); may be empty.
   std::vector<std::string> methods{"material"};
-  TrackerOptions tracker;  ///< method is set from `methods`
+  bool remesh = true;      ///< whether the mesh's connectivity follows the surface
+  TrackerOptions tracker;  ///< method is set from `methods`; remeshing.edge_length from edge_length and sigma
   int stride = 1;          ///< solver steps per tracker step; a frame always ends one
 };
 

@@ -290,6 +290,9 @@ void read_tracker(TomlTable& t, TrackerOptions& tracker) {
   fairing.moves = t.choice("fairing_moves", kFairedVertices, std::optional(fairing.moves));
   fairing.relaxation = t.number("fairing_relaxation", positive("", 1), fairing.relaxation);
   fairing.rest_length_time = t.number("rest_length_time", positive("s", kMaxTime), fairing.rest_length_time);
+  RemeshOptions& remeshing = tracker.remeshing;
+  remeshing.turn = t.number("remesh_turn", positive("rad", 3), remeshing.turn);
+  remeshing.finest = t.number("remesh_finest", {0.02, 1, false, "edge_length"}, remeshing.finest);
 }
 
 void read_surface(TomlTable t, SurfaceDescription& surface) {
@@ -306,6 +309,7 @@ void read_surface(TomlTable t, SurfaceDescription& surface) {
   surface.edge_length = t.number("edge_length", {0.05, 2, false, "sigma"}, surface.edge_length);
   surface.methods = t.names("methods", methods, surface.methods);
   surface.stride = t.integer("stride", 1, kMaxIterations, surface.stride);
+  surface.remesh = t.flag("remesh", surface.remesh);
   read_tracker(t, surface.tracker);
   t.finish();
 }

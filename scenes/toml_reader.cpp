@@ -157,6 +157,14 @@ int TomlTable::integer(std::string_view key, int lower, int upper, std::optional
   return static_cast<int>(value->get());
 }
 
+bool TomlTable::flag(std::string_view key, std::optional<bool> fallback) {
+  const toml::node* node = find(key, !fallback, "true or false");
+  if (!node) return fallback.value_or(false);
+  const auto* value = node->as_boolean();
+  if (!value) refuse(key, *node, "true or false");
+  return value->get();
+}
+
 Vec3 TomlTable::vector(std::string_view key, std::string_view unit, const std::optional<Vec3>& fallback) {
   const std::string allowed = "3 finite numbers, [x, y, z]" + with_unit(unit);
   const toml::node* node = find(key, !fallback, allowed);
@@ -219,6 +227,22 @@ std::vector<int> TomlTable::integers(std::string_view key, int lower, int upper,
     const auto* value = element.as_integer();
     if (!value || value->get() < lower || value->get() > upper) refuse(key, element, allowed);
     found.push_back(static_cast<int>(value->get()));
+  }
+  return found;
+}
+
+std::vector<double> TomlTable::numbers(std::string_view key, const NumberRange& range,
+                                       const std::vector<double>& fallback) {
+  const toml::node* node = find(key);
+  if (!node) return fallback;
+  const std::string allowed = "an array of one or more, each " + describe(range);
+  const toml::array* array = node->as_array();
+  if (!array || array->empty()) refuse(key, *node, allowed);
+  std::vector<double> found;
+  for (const toml::node& element : *array) {
+    const auto value = element.is_number() ? element.value<double>() : std::nullopt;
+    if (!value || !range.contains(*value)) refuse(key, element, allowed);
+    found.push_back(*value);
   }
   return found;
 }

@@ -60,6 +60,8 @@ class TomlTable {
   // So misspelt keys, which finish() reports first, are not taken for missing ones.
   double number(std::string_view key, const NumberRange& range, std::optional<double> fallback = {});
   int integer(std::string_view key, int lower, int upper, std::optional<int> fallback = {});
+  /// true or false.
+  bool flag(std::string_view key, std::optional<bool> fallback = {});
   /// An array of whole numbers.
   std::vector<int> integers(std::string_view key, int lower, int upper, const std::vector<int>& fallback);
   Vec3 vector(std::string_view key, std::string_view unit, const std::optional<Vec3>& fallback = {});
@@ -68,6 +70,9 @@ class TomlTable {
                                   std::optional<double> fallback);
   /// A string without control characters.
   std::string text(std::string_view key, const std::optional<std::string>& fallback = {});
+  /// An array of numbers in the range.
+  std::vector<double> numbers(std::string_view key, const NumberRange& range,
+                              const std::vector<double>& fallback);
   /// An array of one or more such strings.
   std::vector<std::string> texts(std::string_view key);
   /// Distinct strings, each one of `allowed`.

@@ -112,6 +112,7 @@ vtkSmartPointer<vtkPolyData> surface_data(const SurfaceFrame& frame) {
   arrays.AddArray(make_array("gaussian_curvature", 1, state.gaussian_curvature));
   arrays.AddArray(make_array("confidence", 1, state.motion.confidence));
   arrays.AddArray(make_array<vtkDoubleArray>("rest_position", 3, frame.mesh.rest_position));
+  arrays.AddArray(make_array<vtkTypeInt64Array>("id", 1, frame.mesh.id));
   arrays.AddArray(make_array<vtkUnsignedCharArray>("checker", 3, frame.checker));
   if (!state.material_slip.empty()) arrays.AddArray(make_array("material_slip", 1, state.material_slip));
   arrays.AddArray(make_array<vtkUnsignedCharArray>("unprojected", 1, frame.mesh.unprojected));

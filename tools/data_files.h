@@ -38,7 +38,8 @@ struct SurfaceFrame {
 };
 
 /// Point arrays Normals and TCoords (both active), velocity, mean_curvature, gaussian_curvature, confidence,
-/// rest_position, checker, material_slip (where the material velocity is known) and unprojected.
+/// rest_position, id (of a vertex for as long as it lives), checker, material_slip (where the material
+/// velocity is known) and unprojected.
 vtkSmartPointer<vtkPolyData> surface_data(const SurfaceFrame& frame);
 
 /// All walls as one surface; cell array wall = index of the wall.

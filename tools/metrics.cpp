@@ -6,15 +6,27 @@
 #include <cmath>
 
 #include "core/parallel.h"
+#include "core/solid_distance.h"
 #include "surface/mesh/isosurface.h"
+#include "surface/mesh/self_intersection.h"
+#include "surface/tracker/projection.h"
 
 namespace kappaflow {
 namespace {
 
-constexpr double kIsosurfaceSpacing = 0.25;  // of the fresh extraction, in sigma
+constexpr double kIsosurfaceSpacing = 0.25;                 // of the fresh extraction, in sigma
+constexpr double kSmallestAngle = 15, kLargestAngle = 140;  // of a triangle in good order [degrees]
 
 std::string optional_number(const std::optional<double>& value) {
   return value ? fmt::format("{:.12g}", *value) : std::string();
+}
+
+/// The largest distance from the vertices of one mesh to the triangles of another [m]; 0 where one is empty.
+double largest_distance(const TriangleMesh& from, const TriangleMesh& to) {
+  if (from.triangles.empty() || to.triangles.empty()) return 0;
+  const SolidDistance surface(TriangleSurface{to.position, to.triangles});
+  return parallel_max(from.vertex_count(), 0.0,
+                      [&](std::size_t v) { return std::abs(surface.nearest(from.position[v]).distance); });
 }
 
 }  // namespace
@@ -33,9 +45,11 @@ Compression compression(std::span<const float> density, double rest_density) {
 }
 
 void measure_isosurface(const Field& field, double sigma, FrameMetrics& metrics) {
-  const TriangleMesh mesh = extract_isosurface(field, kIsosurfaceSpacing * sigma);
+  TriangleMesh& mesh = metrics.isosurface_mesh;
+  mesh = extract_isosurface(field, kIsosurfaceSpacing * sigma);
   metrics.isosurface_volume = area_and_volume(mesh.position, mesh.triangles).volume;
   metrics.isosurface = mesh_topology(mesh.position, mesh.triangles);
+  project_all(field, {}, mesh.position, mesh.unprojected);
 }
 
 double surface_residual(const Field& field, const TriangleMesh& mesh) {
@@ -47,8 +61,8 @@ double surface_residual(const Field& field, const TriangleMesh& mesh) {
   return parallel_max(mesh.vertex_count(), 0.0, residual);
 }
 
-SurfaceMetrics surface_metrics(const Field& field, const TriangleMesh& mesh, const VertexRings& rings,
-                               const SurfaceState& state, const Vec3& report_axis) {
+SurfaceMetrics surface_metrics(const Field& field, const FrameMetrics& frame, const TriangleMesh& mesh,
+                               const VertexRings& rings, const SurfaceState& state, const Vec3& report_axis) {
   SurfaceMetrics metrics;
   metrics.vertices = mesh.vertex_count();
   metrics.triangles = mesh.triangles.size();
@@ -61,6 +75,12 @@ SurfaceMetrics surface_metrics(const Field& field, const TriangleMesh& mesh, con
   metrics.topology = mesh_topology(mesh.position, mesh.triangles);
   metrics.unprojected = static_cast<std::size_t>(std::ranges::count(mesh.unprojected, char{1}));
   metrics.folded_fraction = folded_fraction(mesh.position, state.normal, mesh.triangles);
+  metrics.angles_outside = angles_outside(mesh.position, mesh.triangles, kSmallestAngle, kLargestAngle);
+  metrics.self_intersections = self_intersections(mesh.position, mesh.triangles);
+  metrics.texture = texture_jumps(mesh);
+  const double sigma = field.length_scale();
+  metrics.surface_without_mesh = largest_distance(frame.isosurface_mesh, mesh) / sigma;
+  metrics.mesh_without_surface = largest_distance(mesh, frame.isosurface_mesh) / sigma;
   return metrics;
 }
 
@@ -76,7 +96,8 @@ std::string metrics_header() {
          "residual_max,quality_min,quality_mean,area,volume,isosurface_volume,slip,rotation_captured,tracer_"
          "distance,"
          "components,genus,isosurface_components,isosurface_genus,kept_fraction,unprojected,folded_"
-         "fraction\n";
+         "fraction,angles_outside,self_intersections,texture_jump,texture_cracks,kept_since_frame,"
+         "surface_without_mesh,mesh_without_surface\n";
 }
 
 std::string metrics_row(const FrameMetrics& f, const std::string& method, const SurfaceMetrics& s) {
@@ -85,10 +106,13 @@ std::string metrics_row(const FrameMetrics& f, const std::string& method, const 
          fmt::format("{},{},{:.12g},{:.12g},{:.12g},{:.12g},{:.12g},{:.12g},", s.vertices, s.triangles,
                      s.residual_max, s.quality.min, s.quality.mean, s.size.area, s.size.volume,
                      f.isosurface_volume) +
-         fmt::format("{},{},{},{},{},{},{},{:.12g},{},{:.12g}\n", optional_number(s.slip),
+         fmt::format("{},{},{},{},{},{},{},{:.12g},{},{:.12g},", optional_number(s.slip),
                      optional_number(s.rotation_captured), optional_number(s.tracer_distance),
                      s.topology.components, s.topology.genus, f.isosurface.components, f.isosurface.genus,
-                     s.kept_fraction, s.unprojected, s.folded_fraction);
+                     s.kept_fraction, s.unprojected, s.folded_fraction) +
+         fmt::format("{:.12g},{},{:.12g},{:.12g},{:.12g},{:.12g},{:.12g}\n", s.angles_outside,
+                     s.self_intersections, s.texture.mean, s.texture.cracks, s.kept_since_frame,
+                     s.surface_without_mesh, s.mesh_without_surface);
 }
 
 std::string pieces_header() {

@@ -10,6 +10,7 @@
 #include "scenes/wall_distance.h"
 #include "surface/field/field.h"
 #include "surface/mesh/mesh_measures.h"
+#include "surface/mesh/texture_jumps.h"
 #include "surface/tracker/surface_state.h"
 
 namespace kappaflow {
@@ -24,6 +25,7 @@ struct FrameMetrics {
   double density_error_max = 0;   ///< largest compression of a particle since then [1]
   double isosurface_volume = 0;   ///< of a fresh extraction at 0.25 sigma [m3]
   MeshTopology isosurface;        ///< of the same
+  TriangleMesh isosurface_mesh;   ///< the same, its vertices projected on the surface
 };
 
 /// Numbers of one tracked surface.
@@ -40,8 +42,14 @@ struct SurfaceMetrics {
   MeshTopology topology;
   /// Share of the initial mesh's vertices that the mesh still has; the rest fell to edits.
   double kept_fraction = 1;
-  std::size_t unprojected = 0;  ///< vertices that are not on the surface
-  double folded_fraction = 0;   ///< see folded_fraction()
+  std::size_t unprojected = 0;         ///< vertices that are not on the surface
+  double folded_fraction = 0;          ///< see folded_fraction()
+  double angles_outside = 0;           ///< share of the triangles with an angle below 15 or above 140 degrees
+  std::size_t self_intersections = 0;  ///< see self_intersections()
+  TextureJumps texture;                ///< see texture_jumps()
+  double kept_since_frame = 1;         ///< share of the last frame's vertices that the mesh still has
+  double surface_without_mesh = 0;     ///< largest distance from the fresh isosurface to the mesh [sigma]
+  double mesh_without_surface = 0;     ///< largest distance from the mesh to the isosurface [sigma]
 
   /// Whether the mesh stands for the surface at all: every vertex on it, hardly a triangle folded over, the
   /// volume and the topology of a fresh isosurface.
@@ -67,9 +75,9 @@ void measure_isosurface(const Field& field, double sigma, FrameMetrics& metrics)
 /// Field::length_scale().
 double surface_residual(const Field& field, const TriangleMesh& mesh);
 
-/// Everything that mesh and state say; tracer_distance and kept_fraction are the caller's.
-SurfaceMetrics surface_metrics(const Field& field, const TriangleMesh& mesh, const VertexRings& rings,
-                               const SurfaceState& state, const Vec3& report_axis);
+/// Everything that mesh and state say; tracer_distance, kept_fraction and kept_since_frame are the caller's.
+SurfaceMetrics surface_metrics(const Field& field, const FrameMetrics& frame, const TriangleMesh& mesh,
+                               const VertexRings& rings, const SurfaceState& state, const Vec3& report_axis);
 
 /// One line each, with the line's end; numbers to 12 digits, empty where there is no value.
 std::string metrics_header();

@@ -42,6 +42,7 @@ Scene load_scene_for(const RunOptions& options) {
   Scene scene = load_scene(options.scene);
   if (options.duration) scene.duration = *options.duration;
   if (options.minimiser) scene.surface.tracker.velocity.minimiser = *options.minimiser;
+  if (options.keep_connectivity) scene.surface.remesh = false;
   if (!options.methods.empty()) scene.surface.methods = options.methods;
   return scene;
 }
@@ -75,9 +76,8 @@ class FrameWriter {
       folder.write_boundary(*boundary_data(simulation.walls()));
     const TriangleMesh& mesh = simulation.trackers().front().mesh();
     initial_vertices_ = mesh.vertex_count();
-    checker_ =
-        checker_colours(mesh.rest_position, scene.output.checker_size * simulation.field_options().sigma);
-    texture_coordinates_ = texture_coordinates(mesh.rest_position, scene.output.texture);
+    initial_box_ = bounding_box(mesh.rest_position);
+    last_frame_.assign(simulation.trackers().size(), {mesh.next_id, mesh.vertex_count()});
   }
 
   void write(int frame, double time, SinceFrame since_frame, RunSummary& summary) {
@@ -92,7 +92,7 @@ class FrameWriter {
     for (std::size_t m = 0; m < simulation_.trackers().size(); ++m) {
       const Stopwatch watch;
       const std::string method(simulation_.trackers()[m].method().name);
-      const SurfaceMetrics metrics = write_surface(frame, time, m, since_frame.residual_max[m]);
+      const SurfaceMetrics metrics = write_surface(frame_metrics, m, since_frame.residual_max[m]);
       since_frame.seconds[m].output = shared_seconds + watch.seconds();
       rows.metrics += metrics_row(frame_metrics, method, metrics);
       rows.pieces += pieces_rows(frame_metrics, method, metrics);
@@ -132,21 +132,38 @@ class FrameWriter {
     folder_.write_particles(frame, *particle_data({particles, density, pressure, weight, options.sigma}));
   }
 
-  SurfaceMetrics write_surface(int frame, double time, std::size_t m, double residual_since_frame) {
+  SurfaceMetrics write_surface(const FrameMetrics& frame, std::size_t m, double residual_since_frame) {
     const SurfaceTracker& tracker = simulation_.trackers()[m];
     const TriangleMesh& mesh = tracker.mesh();
     const SurfaceState state = surface_state(simulation_.field(), mesh, tracker.rings(), tracker.method(),
                                              tracker.options().velocity);
-    folder_.write_surface(frame, std::string(tracker.method().name),
-                          *surface_data({time, mesh, state, checker_, texture_coordinates_}));
+    const double sigma = simulation_.field_options().sigma;
+    folder_.write_surface(
+        frame.frame, std::string(tracker.method().name),
+        *surface_data({frame.time, mesh, state,
+                       checker_colours(mesh.rest_position, scene_.output.checker_size * sigma),
+                       texture_coordinates(mesh.rest_position, initial_box_, scene_.output.texture)}));
 
     SurfaceMetrics metrics =
-        surface_metrics(simulation_.field(), mesh, tracker.rings(), state, scene_.output.report_axis);
+        surface_metrics(simulation_.field(), frame, mesh, tracker.rings(), state, scene_.output.report_axis);
     metrics.residual_max = std::max(metrics.residual_max, residual_since_frame);
-    metrics.tracer_distance =
-        tracer_distance(mesh.position, simulation_.tracers(), simulation_.field_options().sigma);
-    metrics.kept_fraction = static_cast<double>(mesh.vertex_count()) / static_cast<double>(initial_vertices_);
+    metrics.tracer_distance = tracer_distance(mesh, simulation_.tracers(), sigma);
+    metrics.kept_fraction =
+        kept_share(mesh, {static_cast<std::int64_t>(initial_vertices_), initial_vertices_});
+    metrics.kept_since_frame = kept_share(mesh, last_frame_[m]);
+    last_frame_[m] = {mesh.next_id, mesh.vertex_count()};
     return metrics;
+  }
+
+  /// A mesh at an earlier time: ids below next_id, and how many vertices it had.
+  struct Earlier {
+    std::int64_t next_id = 0;
+    std::size_t vertices = 0;
+  };
+  /// The share of its vertices that the mesh still has.
+  static double kept_share(const TriangleMesh& mesh, const Earlier& earlier) {
+    return static_cast<double>(vertices_older_than(mesh, earlier.next_id)) /
+           static_cast<double>(earlier.vertices);
   }
 
   const Scene& scene_;
@@ -155,8 +172,8 @@ class FrameWriter {
   std::vector<BodyMotion> motions_;
   WallDistance walls_;  // where they are in the frame
   std::size_t initial_vertices_ = 0;
-  std::vector<Rgb> checker_;
-  std::vector<Vec2> texture_coordinates_;
+  Bounds initial_box_;               // of the first mesh
+  std::vector<Earlier> last_frame_;  // the meshes at the last frame, one entry a method
 };
 
 }  // namespace

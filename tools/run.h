@@ -19,6 +19,7 @@ struct RunOptions {
   std::vector<std::string> methods;    ///< empty: those of the scene
   std::optional<double> duration;      ///< instead of the scene's [s]
   std::optional<Minimiser> minimiser;  ///< instead of the scene's
+  bool keep_connectivity = false;      ///< no remeshing, whatever the scene says
   int threads = 1;
   bool force = false;                ///< replace a run that the folder already holds
   bool quiet = false;                ///< no progress, no summary

@@ -53,6 +53,7 @@ std::vector<SurfaceTracker> make_trackers(const Scene& scene, const Field& field
   for (const std::string& method : scene.surface.methods) {
     TrackerOptions options = scene.surface.tracker;
     options.method = method;
+    options.remeshing.edge_length = scene.surface.remesh ? scene.surface.edge_length * sigma : 0;
     trackers.emplace_back(mesh, options);
   }
   return trackers;
@@ -99,6 +100,7 @@ void Simulation::step_surfaces() {
     since_frame_.residual_max[m] = std::max(since_frame_.residual_max[m], step.residual_max);
     since_frame_.seconds[m].velocity += step.velocity_seconds;
     since_frame_.seconds[m].fairing += step.fairing_seconds;
+    since_frame_.seconds[m].remesh += step.remesh_seconds;
   }
   const Stopwatch watch;
   tracers_.step(motion);

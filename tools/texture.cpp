@@ -58,16 +58,21 @@ std::vector<Rgb> checker_colours(std::span<const Vec3> rest_position, double edg
   return colours;
 }
 
-std::vector<Vec2> texture_coordinates(std::span<const Vec3> rest_position, TextureProjection projection) {
-  std::vector<Vec2> coordinates(rest_position.size());
-  if (rest_position.empty()) return coordinates;
-  Vec3 lower = rest_position[0], upper = rest_position[0];
-  for (const Vec3& x : rest_position) {
-    lower = lower.cwiseMin(x);
-    upper = upper.cwiseMax(x);
+Bounds bounding_box(std::span<const Vec3> position) {
+  if (position.empty()) return {};
+  Bounds box{position[0], position[0]};
+  for (const Vec3& x : position) {
+    box.lower = box.lower.cwiseMin(x);
+    box.upper = box.upper.cwiseMax(x);
   }
-  const Vec3 center = 0.5 * (lower + upper);
-  const Vec3 half = (0.5 * (upper - lower)).cwiseMax(1e-300);  // a flat box maps to its middle
+  return box;
+}
+
+std::vector<Vec2> texture_coordinates(std::span<const Vec3> rest_position, const Bounds& box,
+                                      TextureProjection projection) {
+  std::vector<Vec2> coordinates(rest_position.size());
+  const Vec3 center = 0.5 * (box.lower + box.upper);
+  const Vec3 half = (0.5 * (box.upper - box.lower)).cwiseMax(1e-300);  // a flat box maps to its middle
   std::ranges::transform(rest_position, coordinates.begin(), [&](const Vec3& x) -> Vec2 {
     const Vec3 r = (x - center).cwiseQuotient(half);
     switch (projection) {

@@ -19,9 +19,13 @@ using Rgb = std::array<std::uint8_t, 3>;
 /// sees a surface turn.
 std::vector<Rgb> checker_colours(std::span<const Vec3> rest_position, double edge);
 
-/// Texture coordinates in [0, 1]^2 by projecting rest positions, relative to their bounding box:
+/// The bounding box of the first mesh's vertices, which texture coordinates refer to.
+Bounds bounding_box(std::span<const Vec3> position);
+
+/// Texture coordinates in [0, 1]^2 by projecting rest positions, relative to the first mesh's bounding box:
 /// planar: (x, y) over the box's extents. spherical: longitude about +y and latitude, seen from the box's
 /// centre. box: onto the face of the box that the point is nearest to, each face covering the whole texture.
-std::vector<Vec2> texture_coordinates(std::span<const Vec3> rest_position, TextureProjection projection);
+std::vector<Vec2> texture_coordinates(std::span<const Vec3> rest_position, const Bounds& box,
+                                      TextureProjection projection);
 
 }  // namespace kappaflow

@@ -53,6 +53,9 @@ class Field {
   /// Velocity of the material at x [m/s], where the field knows one; nullopt where it does not.
   virtual std::optional<Vec3> material_velocity(const Vec3& /*x*/) const { return std::nullopt; }
 
+  /// Whether the material carries f, Df/Dt = 0, so that material_velocity() meets Eq. 4 by itself.
+  virtual bool moves_with_material() const { return false; }
+
   /// Fills `samples.value` from its lattice. The default evaluates f point by point, in parallel.
   virtual void sample(SampledField& samples) const;
 };

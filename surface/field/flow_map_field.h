@@ -51,6 +51,7 @@ class FlowMapField final : public Field {
   std::optional<Vec3> material_velocity(const Vec3& x) const override {
     return flow_velocity<Flow>(x, time_);
   }
+  bool moves_with_material() const override { return true; }
 
  private:
   template <int Degree>

@@ -1,122 +1,176 @@
 #include "surface/mesh/edge_edits.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
+#include <numeric>
+
+#include "core/errors.h"
 
 namespace kappaflow {
 namespace {
 
 constexpr Triangle kRemoved{-1, -1, -1};
 
-int corner_of(const Triangle& triangle, int v) {
-  return static_cast<int>(std::ranges::find(triangle, v) - triangle.begin());
-}
-
-int next_after(const Triangle& triangle, int v) {
-  return triangle[(corner_of(triangle, v) + 1) % 3];
-}
-
 }  // namespace
 
-EdgeEdits::EdgeEdits(std::vector<Vec3>& position, std::vector<Triangle>& triangles)
-    : position_(position), triangles_(triangles), triangles_of_(position.size()) {
-  for (int t = 0; t < static_cast<int>(triangles_.size()); ++t)
-    for (const int v : triangles_[t]) triangles_of_[v].push_back(t);
+void EdgeEdits::start(TriangleMesh& mesh) {
+  mesh_ = &mesh;
+  vertices_at_start_ = static_cast<int>(mesh.vertex_count());
+  out_.assign(mesh.vertex_count(), -1);
+  mark_.assign(mesh.vertex_count(), 0);
+  question_ = 0;
+  set_twins();
 }
 
-int EdgeEdits::triangle_along(int u, int v) const {
-  for (const int t : triangles_of_[u])
-    if (next_after(triangles_[t], u) == v) return t;
-  return -1;
+/// Half-edges are sorted by their origin; each looks for its twin among those of its end.
+void EdgeEdits::set_twins() {
+  const int n = static_cast<int>(3 * mesh_->triangles.size());
+  start_.assign(mesh_->vertex_count() + 1, 0);
+  for (int h = 0; h < n; ++h) ++start_[origin(h) + 1];
+  std::partial_sum(start_.begin(), start_.end(), start_.begin());
+  outgoing_.resize(n);
+  for (int h = n - 1; h >= 0; --h) {
+    out_[origin(h)] = h;
+    outgoing_[--start_[origin(h) + 1]] = h;
+  }
+  // start_[v + 1] has moved down to where the half-edges of v begin.
+  twin_.resize(n);
+  for (int h = 0; h < n; ++h) {
+    const int v = end(h), last = v + 2 < static_cast<int>(start_.size()) ? start_[v + 2] : n;
+    const auto* const found = std::find_if(outgoing_.data() + start_[v + 1], outgoing_.data() + last,
+                                           [&](int other) { return end(other) == origin(h); });
+    if (found == outgoing_.data() + last)
+      throw TopologyError(mesh_->position[v], "a mesh to be edited is not closed here");
+    twin_[h] = *found;
+  }
 }
 
-std::array<int, 2> EdgeEdits::opposite(int u, int v) const {
-  const int left = triangle_along(u, v), right = triangle_along(v, u);
-  if (left < 0 || right < 0) return {-1, -1};
-  return {next_after(triangles_[left], v), next_after(triangles_[right], u)};
+void EdgeEdits::finish() {
+  number_before_.clear();
+  renumbered_.resize(out_.size());
+  for (int v = 0; v < static_cast<int>(out_.size()); ++v) {
+    renumbered_[v] = static_cast<int>(number_before_.size());
+    if (is_alive(v)) number_before_.push_back(v);
+  }
+  keep(mesh_->position);
+  keep(mesh_->rest_position);
+  keep(mesh_->unprojected);
+  keep(mesh_->id);
+  std::erase(mesh_->triangles, kRemoved);
+  for (Triangle& triangle : mesh_->triangles)
+    for (int& v : triangle) v = renumbered_[v];
+  mesh_ = nullptr;
 }
 
-bool EdgeEdits::are_neighbours(int u, int v) const {
-  return triangle_along(u, v) >= 0;
+int EdgeEdits::valence(int v) const {
+  int n = 0;
+  for_each_out(v, [&](int) { ++n; });
+  return n;
 }
 
-int EdgeEdits::common_neighbours(int u, int v) const {
-  return static_cast<int>(std::ranges::count_if(
-      triangles_of_[u], [&](int t) { return are_neighbours(v, next_after(triangles_[t], u)); }));
-}
-
-Vec3 EdgeEdits::area_vector(const Triangle& t) const {
-  return (position_[t[1]] - position_[t[0]]).cross(position_[t[2]] - position_[t[0]]);
-}
-
-/// Whether the triangles of v without `other` stand the move of v to target.
-bool EdgeEdits::allows_move(int v, int other, const Vec3& target, double longest) const {
-  return std::ranges::all_of(triangles_of_[v], [&](int t) {
-    const Triangle& triangle = triangles_[t];
-    const int b = next_after(triangle, v), c = next_after(triangle, b);
-    if (b == other || c == other) return true;
-    const Vec3 moved = (position_[b] - target).cross(position_[c] - target);
-    return moved.dot(area_vector(triangle)) > 0 && (position_[b] - target).norm() <= longest &&
-           (position_[c] - target).norm() <= longest;
+int EdgeEdits::find(int u, int v) const {
+  if (!is_alive(u) || !is_alive(v)) return -1;
+  int found = -1;
+  for_each_out(u, [&](int h) {
+    if (end(h) == v) found = h;
   });
+  return found;
 }
 
-void EdgeEdits::detach(int triangle, int vertex) {
-  std::erase(triangles_of_[vertex], triangle);
+void EdgeEdits::link(int h, int twin) {
+  twin_[h] = twin;
+  twin_[twin] = h;
 }
 
-bool EdgeEdits::collapse(int u, int v, double longest) {
-  const auto [a, b] = opposite(u, v);
-  // The link condition; and the vertices opposite to the edge, which lose a triangle, need three.
-  if (a < 0 || triangles_of_[a].size() <= 3 || triangles_of_[b].size() <= 3 || common_neighbours(u, v) != 2)
-    return false;
-  const Vec3 midpoint = 0.5 * (position_[u] + position_[v]);
-  if (!allows_move(u, v, midpoint, longest) || !allows_move(v, u, midpoint, longest)) return false;
+int EdgeEdits::add_vertex(const VertexBlend& attributes, const Vec3& x) {
+  mesh_->position.push_back(x);
+  mesh_->rest_position.push_back(blended(mesh_->rest_position, attributes));
+  mesh_->unprojected.push_back(0);
+  mesh_->id.push_back(mesh_->next_id++);
+  out_.push_back(-1);
+  mark_.push_back(0);
+  return static_cast<int>(out_.size()) - 1;
+}
 
-  position_[u] = midpoint;
-  for (const int t : {triangle_along(u, v), triangle_along(v, u)}) {
-    for (const int corner : triangles_[t]) detach(t, corner);
-    triangles_[t] = kRemoved;
-  }
-  for (const int t : triangles_of_[v]) {
-    triangles_[t][corner_of(triangles_[t], v)] = u;
-    triangles_of_[u].push_back(t);
-  }
-  triangles_of_[v].clear();
+int EdgeEdits::add_triangle(const Triangle& triangle) {
+  mesh_->triangles.push_back(triangle);
+  twin_.resize(twin_.size() + 3, -1);
+  return static_cast<int>(mesh_->triangles.size()) - 1;
+}
+
+int EdgeEdits::split(int h, double share, const Vec3& x) {
+  const int t = twin_[h], u = origin(h), v = end(h), a = apex(h), b = apex(t);
+  const int va = twin_[next(h)], au = twin_[previous(h)], ub = twin_[next(t)], bv = twin_[previous(t)];
+  const int m = add_vertex({{u, v, v}, {1 - share, share, 0}}, x);
+  const int left = h / 3, right = t / 3, new_left = add_triangle({m, v, a}),
+            new_right = add_triangle({m, u, b});
+  mesh_->triangles[left] = {u, m, a};
+  mesh_->triangles[right] = {v, m, b};
+  link(3 * left, 3 * new_right);
+  link(3 * left + 1, 3 * new_left + 2);
+  link(3 * left + 2, au);
+  link(3 * new_left, 3 * right);
+  link(3 * new_left + 1, va);
+  link(3 * right + 1, 3 * new_right + 2);
+  link(3 * right + 2, bv);
+  link(3 * new_right + 1, ub);
+  out_[u] = 3 * left;
+  out_[v] = 3 * right;
+  out_[a] = 3 * left + 2;
+  out_[b] = 3 * right + 2;
+  out_[m] = 3 * new_left;
+  return m;
+}
+
+bool EdgeEdits::can_collapse(int h) {
+  const int u = origin(h), v = end(h);
+  if (valence(apex(h)) <= 3 || valence(apex(twin_[h])) <= 3) return false;
+  ++question_;
+  for_each_out(u, [&](int out) { mark_[end(out)] = question_; });
+  int common = 0;
+  for_each_out(v, [&](int out) { common += mark_[end(out)] == question_; });
+  return common == 2;
+}
+
+void EdgeEdits::collapse(int h) {
+  const int t = twin_[h], u = origin(h), v = end(h), a = apex(h), b = apex(t);
+  const int va = twin_[next(h)], au = twin_[previous(h)], ub = twin_[next(t)], bv = twin_[previous(t)];
+  for_each_out(u, [&](int out) { mesh_->triangles[out / 3][out % 3] = v; });
+  link(va, au);
+  link(ub, bv);
+  mesh_->triangles[h / 3] = kRemoved;
+  mesh_->triangles[t / 3] = kRemoved;
+  out_[u] = -1;
+  out_[v] = au;
+  out_[a] = va;
+  out_[b] = ub;
+}
+
+bool EdgeEdits::flip(int h) {
+  const int t = twin_[h], u = origin(h), v = end(h), a = apex(h), b = apex(t);
+  if (valence(u) <= 3 || valence(v) <= 3 || find(a, b) >= 0) return false;
+  const int va = twin_[next(h)], au = twin_[previous(h)], ub = twin_[next(t)], bv = twin_[previous(t)];
+  const int left = h / 3, right = t / 3;
+  mesh_->triangles[left] = {u, b, a};
+  mesh_->triangles[right] = {v, a, b};
+  link(3 * left, ub);
+  link(3 * left + 1, 3 * right + 1);
+  link(3 * left + 2, au);
+  link(3 * right, va);
+  link(3 * right + 2, bv);
+  out_[u] = 3 * left;
+  out_[v] = 3 * right;
+  out_[a] = 3 * left + 2;
+  out_[b] = 3 * right + 2;
   return true;
 }
 
-bool EdgeEdits::flip(int u, int v) {
-  const auto [a, b] = opposite(u, v);
-  if (a < 0 || triangles_of_[u].size() <= 3 || triangles_of_[v].size() <= 3 || are_neighbours(a, b))
-    return false;
-  const int left = triangle_along(u, v), right = triangle_along(v, u);
-  const Triangle new_left{u, b, a}, new_right{v, a, b};
-  for (const int old : {left, right})
-    for (const Triangle& flipped : {new_left, new_right})
-      if (!(area_vector(triangles_[old]).dot(area_vector(flipped)) > 0)) return false;
-
-  triangles_[left] = new_left;
-  triangles_[right] = new_right;
-  detach(left, v);
-  detach(right, u);
-  triangles_of_[b].push_back(left);
-  triangles_of_[a].push_back(right);
-  return true;
-}
-
-void EdgeEdits::compact() {
-  std::vector<int> renumbered(position_.size(), -1);
-  int kept = 0;
-  for (std::size_t v = 0; v < position_.size(); ++v) {
-    if (triangles_of_[v].empty()) continue;
-    position_[kept] = position_[v];
-    renumbered[v] = kept++;
-  }
-  position_.resize(kept);
-  std::erase(triangles_, kRemoved);
-  for (Triangle& triangle : triangles_)
-    for (int& v : triangle) v = renumbered[v];
+int EdgeEdits::replace(int v, const VertexBlend& attributes, const Vec3& x) {
+  const int m = add_vertex(attributes, x);
+  const int first = out_[v];
+  for_each_out(v, [&](int out) { mesh_->triangles[out / 3][out % 3] = m; });
+  out_[v] = -1;
+  out_[m] = first;
+  return m;
 }
 
 }  // namespace kappaflow

@@ -1,46 +1,106 @@
-// Edits of a closed manifold mesh that keep it closed and manifold: edge collapse and edge flip.
+// Edits of a closed manifold mesh that keep it closed and manifold: split, collapse, flip, and a new vertex
+// in place of an old one.
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <span>
 #include <vector>
 
-#include "core/types.h"
+#include "surface/mesh/triangle_mesh.h"
 
 namespace kappaflow {
 
-/// Edits the positions and triangles of a closed oriented manifold mesh in place. Every edit is refused, and
-/// changes nothing, where the mesh would not stay manifold or a triangle would turn by a right angle or more.
+/// What a new vertex takes its attributes from: a convex combination of up to three vertices.
+struct VertexBlend {
+  std::array<int, 3> vertex;
+  std::array<double, 3> weight;  ///< sum 1
+};
+
+/// sum_i weight_i values[vertex_i]
+template <class T>
+T blended(const std::vector<T>& values, const VertexBlend& from) {
+  return from.weight[0] * values[from.vertex[0]] + from.weight[1] * values[from.vertex[1]] +
+         from.weight[2] * values[from.vertex[2]];
+}
+
+/// The one gate through which the connectivity of a mesh changes. It refuses what would leave the mesh not a
+/// closed oriented 2-manifold of the same topology; whether an edit is good for the shape is the caller's
+/// question. Vertices that an edit does not make or remove keep their id and attributes.
+///
+/// Half-edge h = 3 t + c runs from corner c of triangle t to the next corner. An edit renumbers half-edges of
+/// the triangles that it touches; vertices keep their numbers until finish().
 class EdgeEdits {
  public:
-  /// Both arrays are borrowed and must outlive this object.
-  EdgeEdits(std::vector<Vec3>& position, std::vector<Triangle>& triangles);
+  /// Starts on a closed oriented mesh, which is borrowed until finish(). Scratch is kept from one mesh to the
+  /// next.
+  void start(TriangleMesh& mesh);
+  /// Removes what collapses have left over. Vertices keep their order, so ids stay ascending; triangles too.
+  void finish();
 
-  /// Joins the ends of edge (u, v) at its midpoint: v goes, with two triangles. longest: no edge longer than
-  /// this may result [m].
-  bool collapse(int u, int v, double longest);
+  static int next(int h) { return h % 3 == 2 ? h - 2 : h + 1; }
+  static int previous(int h) { return h % 3 == 0 ? h + 2 : h - 1; }
+  int half_edges() const { return static_cast<int>(twin_.size()); }
+  bool is_removed(int h) const { return mesh_->triangles[h / 3][0] < 0; }
+  int origin(int h) const { return mesh_->triangles[h / 3][h % 3]; }
+  int end(int h) const { return origin(next(h)); }
+  int apex(int h) const { return origin(previous(h)); }  ///< the third corner of its triangle
+  int twin(int h) const { return twin_[h]; }             ///< the same edge the other way round
+  bool is_alive(int v) const { return out_[v] >= 0; }
 
-  /// Replaces edge (u, v) by the edge between the two vertices opposite to it.
-  bool flip(int u, int v);
+  /// Calls visit(h) for every half-edge that starts at v, clockwise seen from outside.
+  template <class Visit>
+  void for_each_out(int v, const Visit& visit) const {
+    int h = out_[v];
+    do {
+      visit(h);
+      h = twin_[previous(h)];
+    } while (h != out_[v]);
+  }
+  int valence(int v) const;
+  /// The half-edge from u to v; -1 where there is none, or one of them is gone.
+  int find(int u, int v) const;
 
-  /// The vertices opposite to edge (u, v): of the triangle that runs from u to v, then of the one from v to
-  /// u.
-  /// {-1, -1} where there is no such edge.
-  std::array<int, 2> opposite(int u, int v) const;
+  /// Puts a vertex at x on edge h; its attributes are blended between the edge's ends, `share` of the way
+  /// from origin to end. Returns it.
+  int split(int h, double share, const Vec3& x);
+  /// Whether the origin of h may be joined with its end: the link condition, i.e. no vertex but the two
+  /// apexes neighbours both, and each apex keeps three triangles.
+  bool can_collapse(int h);
+  /// Removes the origin of h with two triangles; its other triangles go to the end of h. Precondition:
+  /// can_collapse(h).
+  void collapse(int h);
+  /// Replaces edge h by the edge between its apexes. Refused, and false, where these are neighbours already
+  /// or an end of h has three triangles only.
+  bool flip(int h);
+  /// Puts a new vertex in place of v. Returns it.
+  int replace(int v, const VertexBlend& attributes, const Vec3& x);
 
-  /// Removes what collapses have left over; vertices and triangles keep their order. Ends the editing.
-  void compact();
+  /// After finish(): the number that each vertex had before it; those below vertices_at_start() were there at
+  /// start().
+  std::span<const int> number_before() const { return number_before_; }
+  int vertices_at_start() const { return vertices_at_start_; }
+  /// After finish(): the same for any array over the vertices.
+  template <class T>
+  void keep(std::vector<T>& values) const {
+    for (std::size_t v = 0; v < number_before_.size(); ++v) values[v] = values[number_before_[v]];
+    values.resize(number_before_.size());
+  }
 
  private:
-  int triangle_along(int u, int v) const;
-  bool are_neighbours(int u, int v) const;
-  int common_neighbours(int u, int v) const;
-  Vec3 area_vector(const Triangle& triangle) const;
-  bool allows_move(int v, int other, const Vec3& target, double longest) const;
-  void detach(int triangle, int vertex);
+  void link(int h, int twin);
+  int add_vertex(const VertexBlend& attributes, const Vec3& x);
+  int add_triangle(const Triangle& triangle);
+  void set_twins();
 
-  std::vector<Vec3>& position_;
-  std::vector<Triangle>& triangles_;            // {-1, -1, -1} where removed
-  std::vector<std::vector<int>> triangles_of_;  // of each vertex; empty where removed
+  TriangleMesh* mesh_ = nullptr;
+  std::vector<int> twin_;  // of each half-edge; meaningless where its triangle, {-1, -1, -1}, is removed
+  std::vector<int> out_;   // a half-edge that starts at the vertex; -1 where it is gone
+  std::vector<std::uint32_t> mark_;  // of each vertex: the question it was last marked for
+  std::uint32_t question_ = 0;
+  std::vector<int> number_before_, renumbered_;
+  std::vector<int> start_, outgoing_;  // scratch of set_twins()
+  int vertices_at_start_ = 0;
 };
 
 }  // namespace kappaflow

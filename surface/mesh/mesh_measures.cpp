@@ -17,6 +17,19 @@ double triangle_area(const Vec3& a, const Vec3& b, const Vec3& c) {
   return 0.5 * (b - a).cross(c - a).norm();
 }
 
+/// Smallest and largest angle [degrees].
+std::array<double, 2> angle_range(std::span<const Vec3> position, const Triangle& triangle) {
+  std::array<double, 2> range{std::numbers::pi, 0};
+  for (int corner = 0; corner < 3; ++corner) {
+    const Vec3& apex = position[triangle[corner]];
+    const Vec3 a = position[triangle[(corner + 1) % 3]] - apex,
+               b = position[triangle[(corner + 2) % 3]] - apex;
+    const double angle = std::atan2(a.cross(b).norm(), a.dot(b));
+    range = {std::min(range[0], angle), std::max(range[1], angle)};
+  }
+  return {180 / std::numbers::pi * range[0], 180 / std::numbers::pi * range[1]};
+}
+
 /// Longest edge over shortest altitude in units of the equilateral triangle's, whose is 2/sqrt(3).
 double aspect_ratio(const Vec3& a, const Vec3& b, const Vec3& c) {
   const double longest2 = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
@@ -105,20 +118,20 @@ QualityRange triangle_qualities(std::span<const Vec3> position, std::span<const 
 }
 
 double smallest_angle(std::span<const Vec3> position, std::span<const Triangle> triangles) {
-  const auto angle = [&](std::size_t i) {
-    double least = std::numbers::pi;
-    for (int corner = 0; corner < 3; ++corner) {
-      const Vec3& apex = position[triangles[i][corner]];
-      const Vec3 a = position[triangles[i][(corner + 1) % 3]] - apex,
-                 b = position[triangles[i][(corner + 2) % 3]] - apex;
-      least = std::min(least, std::atan2(a.cross(b).norm(), a.dot(b)));
-    }
-    return least;
-  };
   // The smallest angle of a triangle is at most 60 degrees.
-  const double least = parallel_reduce(triangles.size(), std::numbers::pi / 3, angle,
-                                       [](double a, double b) { return std::min(a, b); });
-  return 180 / std::numbers::pi * least;
+  return parallel_reduce(
+      triangles.size(), 60.0, [&](std::size_t t) { return angle_range(position, triangles[t])[0]; },
+      [](double a, double b) { return std::min(a, b); });
+}
+
+double angles_outside(std::span<const Vec3> position, std::span<const Triangle> triangles, double smallest,
+                      double largest) {
+  if (triangles.empty()) return 0;
+  const double outside = parallel_sum(triangles.size(), 0.0, [&](std::size_t t) {
+    const auto [least, most] = angle_range(position, triangles[t]);
+    return least < smallest || most > largest ? 1.0 : 0.0;
+  });
+  return outside / static_cast<double>(triangles.size());
 }
 
 TriangleDistortion triangle_distortion(std::span<const Vec3> position, std::span<const Vec3> rest_position,

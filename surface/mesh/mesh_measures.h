@@ -34,6 +34,10 @@ QualityRange triangle_qualities(std::span<const Vec3> position, std::span<const 
 /// The smallest angle of any triangle [degrees]; 0 where one is degenerate, 60 without triangles.
 double smallest_angle(std::span<const Vec3> position, std::span<const Triangle> triangles);
 
+/// Share of the triangles that have an angle below `smallest` or above `largest` [degrees].
+double angles_outside(std::span<const Vec3> position, std::span<const Triangle> triangles, double smallest,
+                      double largest);
+
 /// How far triangles are from those they were at rest.
 struct TriangleDistortion {
   /// Longest edge over shortest altitude, in units of the equilateral triangle's: 1 is best; infinite for a

@@ -1,14 +1,24 @@
 #include "surface/mesh/triangle_mesh.h"
 
+#include <algorithm>
+#include <numeric>
+
 namespace kappaflow {
 
 TriangleMesh make_triangle_mesh(std::vector<Vec3> position, std::vector<Triangle> triangles) {
   TriangleMesh mesh;
   mesh.rest_position = position;
   mesh.unprojected.assign(position.size(), 0);
+  mesh.id.resize(position.size());
+  std::iota(mesh.id.begin(), mesh.id.end(), std::int64_t{0});
+  mesh.next_id = static_cast<std::int64_t>(position.size());
   mesh.position = std::move(position);
   mesh.triangles = std::move(triangles);
   return mesh;
+}
+
+std::size_t vertices_older_than(const TriangleMesh& mesh, std::int64_t id) {
+  return static_cast<std::size_t>(std::ranges::lower_bound(mesh.id, id) - mesh.id.begin());
 }
 
 }  // namespace kappaflow

@@ -1,6 +1,7 @@
 // The tracked mesh: vertices with their attributes, and triangles.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -13,12 +14,17 @@ struct TriangleMesh {
   std::vector<Vec3> position;       ///< [m]
   std::vector<Vec3> rest_position;  ///< position in the initial mesh [m]: a seamless 3D texture coordinate
   std::vector<char> unprojected;    ///< 1 where the last projection on f = 0 failed
+  std::vector<std::int64_t> id;     ///< ascending; of one vertex for as long as it lives, never used again
+  std::int64_t next_id = 0;         ///< of the next vertex to be born
   std::vector<Triangle> triangles;
 
   std::size_t vertex_count() const { return position.size(); }
 };
 
-/// A mesh at rest: rest_position = position, all vertices projected.
+/// A mesh at rest: rest_position = position, all vertices projected, ids from 0.
 TriangleMesh make_triangle_mesh(std::vector<Vec3> position, std::vector<Triangle> triangles);
+
+/// How many vertices have an id below `id`; they come first.
+std::size_t vertices_older_than(const TriangleMesh& mesh, std::int64_t id);
 
 }  // namespace kappaflow

@@ -6,9 +6,14 @@
 namespace kappaflow {
 
 VertexRings vertex_rings(std::size_t vertex_count, std::span<const Triangle> triangles) {
+  VertexRings rings;
+  vertex_rings(vertex_count, triangles, rings);
+  return rings;
+}
+
+void vertex_rings(std::size_t vertex_count, std::span<const Triangle> triangles, VertexRings& rings) {
   // Every triangle tells each of its corners of the two others; inside a closed mesh each neighbour comes
   // twice.
-  VertexRings rings;
   rings.start.assign(vertex_count + 1, 0);
   for (const Triangle& triangle : triangles)
     for (const int v : triangle) rings.start[v + 1] += 2;
@@ -34,7 +39,6 @@ VertexRings vertex_rings(std::size_t vertex_count, std::span<const Triangle> tri
   }
   rings.start[vertex_count] = kept;
   rings.neighbour.resize(kept);
-  return rings;
 }
 
 }  // namespace kappaflow

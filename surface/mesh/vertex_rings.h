@@ -21,5 +21,7 @@ struct VertexRings {
 
 /// The one-rings of a mesh with `vertex_count` vertices.
 VertexRings vertex_rings(std::size_t vertex_count, std::span<const Triangle> triangles);
+/// The same into `rings`, whose memory is used again.
+void vertex_rings(std::size_t vertex_count, std::span<const Triangle> triangles, VertexRings& rings);
 
 }  // namespace kappaflow

@@ -6,8 +6,25 @@
 
 namespace kappaflow {
 
+namespace {
+
+/// Where the material carries f there is nothing to correct, and no jet to evaluate.
+void evaluate_carried(const Field& field, std::span<const Vec3> position, SurfaceVelocities& result) {
+  result.velocity.resize(position.size());
+  result.confidence.assign(position.size(), 1);
+  parallel_for(position.size(), [&](std::size_t i) {
+    result.velocity[i] = field.material_velocity(position[i]).value_or(Vec3::Zero());
+  });
+}
+
+}  // namespace
+
 void evaluate_material(const Field& field, const SurfacePoints& points, const VelocityOptions& options,
                        SurfaceVelocities& result) {
+  if (field.moves_with_material()) {
+    evaluate_carried(field, points.position, result);
+    return;
+  }
   evaluate_pointwise(field, points, result, [&](const Vec3& x, const Jet& jet) {
     const std::optional<Vec3> material = field.material_velocity(x);
     if (!material)

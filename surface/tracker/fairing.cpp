@@ -94,15 +94,21 @@ void relax_rest_lengths(const VertexRings& rings, std::span<const Vec3> position
 }
 
 /// For every neighbour the third corner of the triangle that runs from the vertex to it.
-std::vector<int> third_corners(const VertexRings& rings, std::span<const Triangle> triangles) {
-  std::vector<int> third(rings.neighbour.size());
+void third_corners(const VertexRings& rings, std::span<const Triangle> triangles, std::vector<int>& third) {
+  third.resize(rings.neighbour.size());
   for (const Triangle& t : triangles)
     for (int corner = 0; corner < 3; ++corner) {
       const std::span<const int> ring = rings.of(t[corner]);
       const auto place = std::ranges::lower_bound(ring, t[(corner + 1) % 3]) - ring.begin();
       third[rings.start[t[corner]] + place] = t[(corner + 2) % 3];
     }
-  return third;
+}
+
+/// The place of edge (u, v) in VertexRings::neighbour; -1 where there is none.
+int place_of(const VertexRings& rings, int u, int v) {
+  const std::span<const int> ring = rings.of(u);
+  const auto found = std::ranges::lower_bound(ring, v);
+  return found != ring.end() && *found == v ? rings.start[u] + static_cast<int>(found - ring.begin()) : -1;
 }
 
 }  // namespace
@@ -111,22 +117,39 @@ FairingState fairing_state(const TriangleMesh& mesh, const VertexRings& rings) {
   FairingState state;
   state.rest_length.assign(rings.neighbour.size(), 0);
   relax_rest_lengths(rings, mesh.position, 1, state.rest_length);
-  state.third_corner = third_corners(rings, mesh.triangles);
+  third_corners(rings, mesh.triangles, state.third_corner);
   state.mobility.assign(mesh.vertex_count(), 1);
   state.gradient.assign(mesh.vertex_count(), Vec3::Zero());
   state.moved_position.resize(mesh.vertex_count());
   return state;
 }
 
+void renew_fairing_state(const TriangleMesh& mesh, const EdgeEdits& edits, const VertexRings& before,
+                         const VertexRings& rings, FairingState& state) {
+  const auto number_before = [&](int v) {
+    const int number = edits.number_before()[v];
+    return number < edits.vertices_at_start() ? number : -1;
+  };
+  state.renewed.resize(rings.neighbour.size());
+  parallel_for(mesh.vertex_count(), [&](std::size_t i) {
+    const int v = static_cast<int>(i), old_v = number_before(v);
+    for (int k = rings.start[v]; k < rings.start[v + 1]; ++k) {
+      const int w = rings.neighbour[k], old_w = number_before(w);
+      const int place = old_v >= 0 && old_w >= 0 ? place_of(before, old_v, old_w) : -1;
+      state.renewed[k] = place >= 0 ? state.rest_length[place] : (mesh.position[w] - mesh.position[v]).norm();
+    }
+  });
+  std::swap(state.rest_length, state.renewed);
+  third_corners(rings, mesh.triangles, state.third_corner);
+  state.moved_position.resize(mesh.vertex_count());
+}
+
 double fair(const Field& field, const VertexRings& rings, const FairingOptions& options,
             const ProjectionOptions& projection, double dt, TriangleMesh& mesh, FairingState& state) {
-  const auto project_vertices = [&] {
-    return project_all(field, projection, mesh.position, mesh.unprojected, state.gradient);
-  };
-  double residual = project_vertices();
+  double residual = 0;
   for (int iteration = 0; iteration < options.iterations; ++iteration) {
     relax_vertices(rings, options.relaxation, mesh, state);
-    residual = project_vertices();
+    residual = project_all(field, projection, mesh.position, mesh.unprojected, state.gradient);
   }
   relax_rest_lengths(rings, mesh.position, 1 - std::exp(-dt / options.rest_length_time), state.rest_length);
   return residual;

@@ -5,6 +5,7 @@
 
 #include "core/named.h"
 #include "surface/field/field.h"
+#include "surface/mesh/edge_edits.h"
 #include "surface/mesh/triangle_mesh.h"
 #include "surface/tracker/projection.h"
 
@@ -33,14 +34,21 @@ struct FairingState {
   std::vector<double> mobility;      ///< share of its move that each vertex takes, in [0, 1]
   std::vector<Vec3> gradient;        ///< grad f at the vertices after the last projection
   std::vector<Vec3> moved_position;  ///< the vertices of an iteration in the making
+  std::vector<double> renewed;       ///< rest lengths in the making
 };
 
 /// Rest lengths = the current edge lengths, all vertices mobile. Precondition: a closed oriented mesh.
 FairingState fairing_state(const TriangleMesh& mesh, const VertexRings& rings);
 
-/// Projects all vertices on f = 0 by Eq. 11, then runs the iterations: every vertex moves from the same old
-/// state (Jacobi), so the order does not matter, and all are projected again. Then the rest lengths relax
-/// over dt [s].
+/// After edits of the mesh: edges that were there before keep their rest lengths, the others are born with
+/// the lengths that they have. before, rings: of the mesh at the edits' start and now. `mobility` and
+/// `gradient` have travelled with the edits.
+void renew_fairing_state(const TriangleMesh& mesh, const EdgeEdits& edits, const VertexRings& before,
+                         const VertexRings& rings, FairingState& state);
+
+/// Runs the iterations: every vertex moves from the same old state (Jacobi), so the order does not matter,
+/// and all are projected on f = 0 by Eq. 11. Then the rest lengths relax over dt [s]. Precondition: the
+/// vertices have been projected, and FairingState::gradient is theirs.
 ///
 /// A vertex goes a share `relaxation` times its mobility of one Newton step towards the equilibrium of its
 /// springs, its neighbours fixed. A spring pulls with its length in space minus its rest length, along the
@@ -48,7 +56,7 @@ FairingState fairing_state(const TriangleMesh& mesh, const VertexRings& rings);
 /// however curved it is. Two kinds of vertices go towards the centroid of their neighbours instead: those
 /// whose projection failed, until it succeeds, and those of triangles that have folded over, which springs at
 /// their rest lengths would keep folded; their mobility does not count. Returns the largest residual of the
-/// last projection (see project_all).
+/// last projection (see project_all), 0 without iterations.
 double fair(const Field& field, const VertexRings& rings, const FairingOptions& options,
             const ProjectionOptions& projection, double dt, TriangleMesh& mesh, FairingState& state);
 

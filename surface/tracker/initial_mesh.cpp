@@ -18,40 +18,65 @@ constexpr int kRounds = 4, kFlipPasses = 10, kSmoothingPasses = 5;
 // forth.
 constexpr double kFlipMargin = 1e-9;
 
-/// Calls visit(u, v) for every edge that the triangles had when its turn came.
-template <class Visit>
-void for_each_edge(const std::vector<Triangle>& triangles, const Visit& visit) {
-  for (std::size_t t = 0; t < triangles.size(); ++t)
-    for (int corner = 0; corner < 3; ++corner) {
-      const int u = triangles[t][corner], v = triangles[t][(corner + 1) % 3];
-      if (u < v) visit(u, v);
-    }
-}
-
 double cotangent(const Vec3& apex, const Vec3& a, const Vec3& b) {
   return (a - apex).dot(b - apex) / (a - apex).cross(b - apex).norm();
 }
 
-void collapse_short_edges(double spacing, std::vector<Vec3>& position, std::vector<Triangle>& triangles) {
-  EdgeEdits edits(position, triangles);
-  for_each_edge(triangles, [&](int u, int v) {
-    if ((position[u] - position[v]).norm() < kShortEdge * spacing) edits.collapse(u, v, kLongEdge * spacing);
-  });
-  edits.compact();
+Vec3 area_vector(const TriangleMesh& mesh, int a, int b, int c) {
+  return (mesh.position[b] - mesh.position[a]).cross(mesh.position[c] - mesh.position[a]);
 }
 
-void flip_towards_delaunay(std::vector<Vec3>& position, std::vector<Triangle>& triangles) {
-  EdgeEdits edits(position, triangles);
+/// Whether the triangles of v without `other` stand the move of v to target: none turns by a right angle.
+bool allows_move(const EdgeEdits& edits, const TriangleMesh& mesh, int v, int other, const Vec3& target,
+                 double longest) {
+  bool allowed = true;
+  edits.for_each_out(v, [&](int h) {
+    const int b = edits.end(h), c = edits.apex(h);
+    if (b == other || c == other) return;
+    const Vec3 &at_b = mesh.position[b], &at_c = mesh.position[c];
+    allowed = allowed && (at_b - target).cross(at_c - target).dot(area_vector(mesh, v, b, c)) > 0 &&
+              (at_b - target).norm() <= longest && (at_c - target).norm() <= longest;
+  });
+  return allowed;
+}
+
+/// Joins the ends of short edges at their midpoints.
+void collapse_short_edges(double spacing, EdgeEdits& edits, TriangleMesh& mesh) {
+  edits.start(mesh);
+  for (int h = 0; h < edits.half_edges(); ++h) {
+    if (edits.is_removed(h)) continue;
+    const int u = edits.origin(h), v = edits.end(h);
+    if (u > v || !((mesh.position[u] - mesh.position[v]).norm() < kShortEdge * spacing)) continue;
+    const Vec3 midpoint = 0.5 * (mesh.position[u] + mesh.position[v]);
+    if (!edits.can_collapse(edits.twin(h)) ||
+        !allows_move(edits, mesh, u, v, midpoint, kLongEdge * spacing) ||
+        !allows_move(edits, mesh, v, u, midpoint, kLongEdge * spacing))
+      continue;
+    edits.collapse(edits.twin(h));
+    mesh.position[u] = midpoint;
+  }
+  edits.finish();
+}
+
+bool flips_towards_delaunay(EdgeEdits& edits, const TriangleMesh& mesh, int h) {
+  const int u = edits.origin(h), v = edits.end(h), a = edits.apex(h), b = edits.apex(edits.twin(h));
+  const std::vector<Vec3>& at = mesh.position;
+  if (!(cotangent(at[a], at[u], at[v]) + cotangent(at[b], at[u], at[v]) < -kFlipMargin)) return false;
+  for (const Vec3& old : {area_vector(mesh, u, v, a), area_vector(mesh, v, u, b)})
+    if (!(old.dot(area_vector(mesh, u, b, a)) > 0) || !(old.dot(area_vector(mesh, v, a, b)) > 0))
+      return false;
+  return edits.flip(h);
+}
+
+void flip_towards_delaunay(EdgeEdits& edits, TriangleMesh& mesh) {
+  edits.start(mesh);
   bool flipped = true;
   for (int pass = 0; flipped && pass < kFlipPasses; ++pass) {
     flipped = false;
-    for_each_edge(triangles, [&](int u, int v) {
-      const auto [a, b] = edits.opposite(u, v);
-      const double sum =
-          cotangent(position[a], position[u], position[v]) + cotangent(position[b], position[u], position[v]);
-      if (sum < -kFlipMargin) flipped |= edits.flip(u, v);
-    });
+    for (int h = 0; h < edits.half_edges(); ++h)
+      if (edits.origin(h) < edits.end(h)) flipped |= flips_towards_delaunay(edits, mesh, h);
   }
+  edits.finish();
 }
 
 /// Moves every vertex half of the way to its neighbours' centroid, in its tangent plane.
@@ -83,13 +108,15 @@ void smooth_and_project(const Field& field, const ProjectionOptions& projection,
 
 TriangleMesh initial_mesh(const Field& field, double spacing, const ProjectionOptions& projection) {
   TriangleMesh mesh = extract_isosurface(field, spacing);
+  EdgeEdits edits;
   for (int round = 0; round < kRounds; ++round) {
-    collapse_short_edges(spacing, mesh.position, mesh.triangles);
-    flip_towards_delaunay(mesh.position, mesh.triangles);
+    collapse_short_edges(spacing, edits, mesh);
+    flip_towards_delaunay(edits, mesh);
     smooth_and_project(field, projection, mesh);
   }
-  mesh.rest_position = mesh.position;
-  return mesh;
+  TriangleMesh at_rest = make_triangle_mesh(std::move(mesh.position), std::move(mesh.triangles));
+  at_rest.unprojected = std::move(mesh.unprojected);
+  return at_rest;
 }
 
 }  // namespace kappaflow

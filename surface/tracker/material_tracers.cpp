@@ -27,14 +27,17 @@ std::size_t MaterialTracers::lost_count() const {
   return static_cast<std::size_t>(std::ranges::count(lost_, 1));
 }
 
-std::optional<double> tracer_distance(std::span<const Vec3> vertex_position, const MaterialTracers& tracers,
+std::optional<double> tracer_distance(const TriangleMesh& mesh, const MaterialTracers& tracers,
                                       double sigma) {
-  const std::size_t n = vertex_position.size(), followed = n - tracers.lost_count();
-  if (followed == 0) return std::nullopt;
-  const double sum = parallel_sum(n, 0.0, [&](std::size_t i) {
-    return tracers.lost()[i] ? 0.0 : (vertex_position[i] - tracers.position()[i]).norm();
+  // Ids ascend, so the vertices of the first mesh come first.
+  const std::size_t kept = vertices_older_than(mesh, static_cast<std::int64_t>(tracers.position().size()));
+  const auto is_followed = [&](std::size_t v) { return !tracers.lost()[mesh.id[v]]; };
+  const Vec2 sum = parallel_sum(kept, Vec2(Vec2::Zero()), [&](std::size_t v) -> Vec2 {
+    if (!is_followed(v)) return Vec2::Zero();
+    return {(mesh.position[v] - tracers.position()[mesh.id[v]]).norm(), 1};
   });
-  return sum / (static_cast<double>(followed) * sigma);
+  if (sum[1] == 0) return std::nullopt;
+  return sum[0] / (sum[1] * sigma);
 }
 
 }  // namespace kappaflow

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "surface/field/field.h"
+#include "surface/mesh/triangle_mesh.h"
 #include "surface/tracker/runge_kutta.h"
 
 namespace kappaflow {
@@ -14,8 +15,7 @@ namespace kappaflow {
 /// lost: it stays where it was at the start of that step, and counts no more.
 class MaterialTracers {
  public:
-  /// One tracer at each position [m]: those of the initial mesh. Tracer i belongs to vertex i for as long as
-  /// the mesh keeps its connectivity.
+  /// One tracer at each position [m]: those of the initial mesh. Tracer i belongs to the vertex with id i.
   explicit MaterialTracers(std::span<const Vec3> position);
 
   /// Moves the tracers from motion.t0() to motion.t1() by classical Runge-Kutta of order 4.
@@ -32,9 +32,9 @@ class MaterialTracers {
   std::vector<Vec3> velocity_, position_t0_;  // scratch
 };
 
-/// Mean over the tracers that are not lost of the distance from vertex i to tracer i, over sigma [1]. nullopt
-/// where all are lost. Precondition: as many vertices as tracers.
-std::optional<double> tracer_distance(std::span<const Vec3> vertex_position, const MaterialTracers& tracers,
-                                      double sigma);
+/// Mean over the vertices of the first mesh that are still there, and whose tracers are not lost, of the
+/// distance from vertex to tracer, over sigma [1]. nullopt where there are none. Vertices that edits made
+/// have no tracer, and no vote. mesh: of a tracker that started with a vertex at each tracer.
+std::optional<double> tracer_distance(const TriangleMesh& mesh, const MaterialTracers& tracers, double sigma);
 
 }  // namespace kappaflow

@@ -19,14 +19,36 @@ SurfaceTracker::SurfaceTracker(TriangleMesh initial_mesh, const TrackerOptions& 
 TrackerStep SurfaceTracker::step(FieldMotion& motion) {
   TrackerStep report;
   report.velocity_seconds = seconds_of([&] { advect(motion); });
+  const std::shared_ptr<const Field> field = motion.at(motion.t1());
   report.fairing_seconds = seconds_of([&] {
-    if (options_.fairing.iterations > 0 && options_.fairing.moves == FairedVertices::undetermined)
-      vertex_mobility(rings_, velocities_, fairing_.mobility);
-    report.residual_max = fair(*motion.at(motion.t1()), rings_, options_.fairing, options_.projection,
-                               motion.t1() - motion.t0(), mesh_, fairing_);
+    report.residual_max = project(*field);
+    const double residual = fair(*field, rings_, options_.fairing, options_.projection,
+                                 motion.t1() - motion.t0(), mesh_, fairing_);
+    if (options_.fairing.iterations > 0) report.residual_max = residual;
   });
+  if (options_.remeshing.edge_length > 0)
+    report.remesh_seconds = seconds_of([&] { report.edits = remesh(*field); });
+  report.residual_max = std::max(report.residual_max, report.edits.residual_max);
   report.unprojected = static_cast<std::size_t>(std::ranges::count(mesh_.unprojected, 1));
   return report;
+}
+
+/// Puts all vertices on the surface and finds out which ones fairing may move.
+double SurfaceTracker::project(const Field& field) {
+  if (options_.fairing.iterations > 0 && options_.fairing.moves == FairedVertices::undetermined)
+    vertex_mobility(rings_, velocities_, fairing_.mobility);
+  return project_all(field, options_.projection, mesh_.position, mesh_.unprojected, fairing_.gradient);
+}
+
+RemeshCounts SurfaceTracker::remesh(const Field& field) {
+  const RemeshCounts counts = remesher_.remesh(field, options_.remeshing, options_.projection, rings_, mesh_,
+                                               {fairing_.gradient, fairing_.mobility});
+  if (!counts.any()) return counts;
+  std::swap(rings_, rings_before_);
+  vertex_rings(mesh_.vertex_count(), mesh_.triangles, rings_);
+  renew_fairing_state(mesh_, remesher_.edits(), rings_before_, rings_, fairing_);
+  area_.resize(mesh_.vertex_count());
+  return counts;
 }
 
 void SurfaceTracker::advect(FieldMotion& motion) {

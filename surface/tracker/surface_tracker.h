@@ -9,6 +9,7 @@
 #include "surface/motion/velocity.h"
 #include "surface/tracker/fairing.h"
 #include "surface/tracker/projection.h"
+#include "surface/tracker/remeshing.h"
 #include "surface/tracker/runge_kutta.h"
 
 namespace kappaflow {
@@ -19,6 +20,7 @@ struct TrackerOptions {
   VelocityOptions velocity{};
   ProjectionOptions projection{};
   FairingOptions fairing{};
+  RemeshOptions remeshing{};
 };
 
 /// What one step did, for metrics and timings.
@@ -26,12 +28,15 @@ struct TrackerStep {
   std::size_t unprojected = 0;  ///< vertices that are not on the surface after the step
   double residual_max =
       0;  ///< largest |f|/|g| over the projected vertices, in units of Field::length_scale()
+  RemeshCounts edits;
   double velocity_seconds = 0;  ///< wall time of the advection
   double fairing_seconds = 0;   ///< wall time of fairing and projection
+  double remesh_seconds = 0;    ///< wall time of the edits
 };
 
-/// Tracks a surface: the mesh keeps its connectivity, its vertices move with the chosen velocity. After a
-/// step every vertex is within ProjectionOptions::tolerance of f = 0 or flagged in TriangleMesh::unprojected.
+/// Tracks a surface: its vertices move with the chosen velocity, and the mesh is kept in order by edits that
+/// RemeshOptions describe. After a step every vertex is within ProjectionOptions::tolerance of f = 0 or
+/// flagged in TriangleMesh::unprojected.
 class SurfaceTracker {
  public:
   /// initial_mesh: on the surface f = 0 at the start of the first step. Throws InvalidInput for an unknown
@@ -48,13 +53,16 @@ class SurfaceTracker {
 
  private:
   void advect(FieldMotion& motion);
+  double project(const Field& field);
+  RemeshCounts remesh(const Field& field);
 
   TrackerOptions options_;
   const VelocityMethod& method_;
   TriangleMesh mesh_;
-  VertexRings rings_;
+  VertexRings rings_, rings_before_;
   FairingState fairing_;
   RungeKutta runge_kutta_;
+  Remesher remesher_;
   SurfaceVelocities velocities_;  // of the last stage of the step
   std::vector<double> area_;      // at the start of the step
 };

@@ -72,6 +72,7 @@ TEST(GoodScenes, SmallestOneLoadsWithDefaults) {
   EXPECT_EQ(scene.fluid.gravity, FluidOptions().gravity);
   EXPECT_EQ(scene.surface.tracker.fairing.iterations, FairingOptions().iterations);
   EXPECT_FALSE(scene.surface.threshold);
+  EXPECT_TRUE(scene.surface.remesh);
 }
 
 TEST(GoodScenes, ViscositiesBecomeFluids) {
@@ -201,6 +202,9 @@ TEST(GoodScenes, EverySurfaceAndOutputKeyArrives) {
   EXPECT_EQ(surface.tracker.fairing.moves, FairedVertices::all);
   EXPECT_EQ(surface.tracker.fairing.relaxation, 0.6);
   EXPECT_EQ(surface.tracker.fairing.rest_length_time, 0.7);
+  EXPECT_FALSE(surface.remesh);
+  EXPECT_EQ(surface.tracker.remeshing.turn, 0.4);
+  EXPECT_EQ(surface.tracker.remeshing.finest, 0.3);
   EXPECT_EQ(scene.output.frames_per_second, 12.5);
   EXPECT_TRUE(scene.output.report_axis.isApprox(Vec3(0, 0.6, 0.8), 1e-15));
   EXPECT_EQ(scene.output.checker_size, 3);

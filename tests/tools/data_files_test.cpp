@@ -71,7 +71,8 @@ TEST_F(DataFiles, SurfaceHasItsArraysAndTypes) {
   expect_array(arrays, "rest_position", VTK_DOUBLE, 3);
   expect_array(arrays, "checker", VTK_UNSIGNED_CHAR, 3);
   expect_array(arrays, "unprojected", VTK_UNSIGNED_CHAR, 1);
-  EXPECT_EQ(arrays.GetNumberOfArrays(), 10);
+  expect_array(arrays, "id", VTK_TYPE_INT64, 1);
+  EXPECT_EQ(arrays.GetNumberOfArrays(), 11);
   expect_time(*data, 0.16);
   EXPECT_EQ(arrays.GetNormals(), arrays.GetArray("Normals")) << "active";
   EXPECT_EQ(arrays.GetTCoords(), arrays.GetArray("TCoords")) << "active";

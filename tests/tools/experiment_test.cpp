@@ -192,6 +192,15 @@ TEST_F(QuickExperiment, EnrightExact) {
   // A mesh without remeshing comes back whole and is useless at half time.
   EXPECT_LT(std::abs(value({{"method", "material"}, {"time", "3"}}, "volume_change")), 0.02);
   EXPECT_LT(value({{"method", "material"}, {"time", "1.5"}}, "smallest_angle"), 5);
+  // Remeshed, it is a mesh then too: of the right volume, and closer to the shape than a coarse one can be.
+  const auto remeshed = [&](const char* column) {
+    return value({{"method", "material remeshed 0.05"}, {"time", "1.5"}}, column);
+  };
+  EXPECT_GT(remeshed("smallest_angle"), 5);
+  EXPECT_EQ(remeshed("folded_fraction"), 0);
+  EXPECT_EQ(remeshed("self_intersections"), 0);
+  EXPECT_LT(std::abs(remeshed("volume_error")), 0.02);
+  EXPECT_LT(remeshed("triangle_to_shape_mean"), 0.001);
 }
 
 class ExperimentCommand : public Scratch {};

@@ -28,7 +28,9 @@ TEST(Metrics, SphereOfOneParticle) {
   const TriangleMesh mesh = initial_mesh(*field, 0.1, {});
   const VertexRings rings = vertex_rings(mesh.vertex_count(), mesh.triangles);
   const SurfaceState state = surface_state(*field, mesh, rings, velocity_method("normal"), {});
-  const SurfaceMetrics metrics = surface_metrics(*field, mesh, rings, state, Vec3(0, 0, 1));
+  FrameMetrics frame;
+  measure_isosurface(*field, 1, frame);
+  const SurfaceMetrics metrics = surface_metrics(*field, frame, mesh, rings, state, Vec3(0, 0, 1));
   EXPECT_EQ(metrics.vertices, mesh.vertex_count());
   EXPECT_EQ(metrics.triangles, mesh.triangles.size());
   EXPECT_EQ(metrics.topology.components, 1);
@@ -40,6 +42,13 @@ TEST(Metrics, SphereOfOneParticle) {
   ASSERT_TRUE(metrics.slip.has_value());
   EXPECT_NEAR(*metrics.slip, 1, 1e-6);
   EXPECT_FALSE(metrics.rotation_captured.has_value()) << "a translation has no rotation to capture";
+  EXPECT_EQ(metrics.angles_outside, 0);
+  EXPECT_EQ(metrics.self_intersections, 0u);
+  EXPECT_EQ(metrics.texture.cracks, 0);
+  // The chords of both meshes: h^2 / (6 R) at the middle of a triangle of edge h, and more at longer edges.
+  EXPECT_LT(metrics.surface_without_mesh, 0.01);
+  EXPECT_LT(metrics.mesh_without_surface, 0.04);
+  EXPECT_GT(metrics.mesh_without_surface, 0.001);
 }
 
 TEST(Metrics, ResidualIsTheDistanceInSigma) {
@@ -83,11 +92,12 @@ TEST(MetricsTable, HasTheDocumentedColumns) {
       "frame,time,method,particles,penetration_max,density_error_mean,density_error_max,vertices,triangles,"
       "residual_max,quality_min,quality_mean,area,volume,isosurface_volume,slip,rotation_captured,"
       "tracer_distance,components,genus,isosurface_components,isosurface_genus,kept_fraction,unprojected,"
-      "folded_fraction\n");
+      "folded_fraction,angles_outside,self_intersections,texture_jump,texture_cracks,kept_since_frame,"
+      "surface_without_mesh,mesh_without_surface\n");
 }
 
 TEST(MetricsTable, RowMatchesTheHeader) {
-  FrameMetrics frame{7, 0.28, 1000, 0.25, 1.0 / 3.0, 0.02, 0.75, {2, 3}};
+  FrameMetrics frame{7, 0.28, 1000, 0.25, 1.0 / 3.0, 0.02, 0.75, {2, 3}, {}};
   SurfaceMetrics surface;
   surface.vertices = 12;
   surface.triangles = 20;
@@ -97,9 +107,15 @@ TEST(MetricsTable, RowMatchesTheHeader) {
   surface.rotation_captured = 0.875;
   surface.topology = {1, 4};
   surface.unprojected = 5;
+  surface.angles_outside = 0.125;
+  surface.self_intersections = 6;
+  surface.texture = {0.5, 0.25};
+  surface.kept_since_frame = 0.875;
+  surface.surface_without_mesh = 1.5;
+  surface.mesh_without_surface = 2.5;
   EXPECT_EQ(metrics_row(frame, "total", surface),
             "7,0.28,total,1000,0.25,0.333333333333,0.02,12,20,1e-05,0.5,0.9,3.5,0.625,0.75,,0.875,,1,4,2,3,1,"
-            "5,0\n");
+            "5,0,0.125,6,0.5,0.25,0.875,1.5,2.5\n");
   EXPECT_EQ(split(metrics_row(frame, "total", surface), ',').size(), split(metrics_header(), ',').size());
 }
 

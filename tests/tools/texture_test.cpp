@@ -35,7 +35,7 @@ TEST(Checker, OneCubeHasOneColourAndCubesDiffer) {
 
 TEST(TextureCoordinates, PlanarSpansTheBox) {
   const std::vector<Vec3> at{{-1, 2, 0}, {3, 4, 1}, {1, 3, 5}};
-  const auto uv = texture_coordinates(at, TextureProjection::planar);
+  const auto uv = texture_coordinates(at, bounding_box(at), TextureProjection::planar);
   EXPECT_EQ(uv[0], Vec2(0, 0));
   EXPECT_EQ(uv[1], Vec2(1, 1));
   EXPECT_EQ(uv[2], Vec2(0.5, 0.5));
@@ -43,7 +43,7 @@ TEST(TextureCoordinates, PlanarSpansTheBox) {
 
 TEST(TextureCoordinates, SphericalIsLongitudeAndLatitude) {
   const std::vector<Vec3> at{{1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {-1, 0, 0}, {0, 0, -1}};
-  const auto uv = texture_coordinates(at, TextureProjection::spherical);
+  const auto uv = texture_coordinates(at, bounding_box(at), TextureProjection::spherical);
   EXPECT_NEAR((uv[0] - Vec2(0.5, 0.5)).norm(), 0, 1e-15);
   EXPECT_NEAR(uv[1][1], 1, 1e-15);
   EXPECT_NEAR(uv[2][1], 0, 1e-15);
@@ -54,17 +54,17 @@ TEST(TextureCoordinates, SphericalIsLongitudeAndLatitude) {
 TEST(TextureCoordinates, BoxUsesTheNearestFace) {
   // The corners make the box [-1, 1] x [-2, 2] x [-3, 3]; the other points lie on its faces.
   const std::vector<Vec3> at{{-1, -2, -3}, {1, 2, 3}, {1, 1, 0}, {0.5, 2, -1.5}, {0, -1, 3}};
-  const auto uv = texture_coordinates(at, TextureProjection::box);
+  const auto uv = texture_coordinates(at, bounding_box(at), TextureProjection::box);
   EXPECT_NEAR((uv[2] - Vec2(0.5, 0.75)).norm(), 0, 1e-15);   // +x face: (z, y)
   EXPECT_NEAR((uv[3] - Vec2(0.75, 0.25)).norm(), 0, 1e-15);  // +y face: (x, z)
   EXPECT_NEAR((uv[4] - Vec2(0.5, 0.25)).norm(), 0, 1e-15);   // +z face: (x, y)
 }
 
 TEST(TextureCoordinates, FlatAndEmptyInputsAreFinite) {
-  EXPECT_TRUE(texture_coordinates({}, TextureProjection::box).empty());
+  EXPECT_TRUE(texture_coordinates({}, Bounds{}, TextureProjection::box).empty());
   const std::vector<Vec3> point{{1, 2, 3}};
   for (const auto p : {TextureProjection::planar, TextureProjection::spherical, TextureProjection::box})
-    EXPECT_EQ(texture_coordinates(point, p)[0], Vec2(0.5, 0.5));
+    EXPECT_EQ(texture_coordinates(point, bounding_box(point), p)[0], Vec2(0.5, 0.5));
 }
 
 }  // namespace

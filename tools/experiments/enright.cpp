@@ -2,27 +2,40 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
+#include <numbers>
 
 #include "scenes/toml_reader.h"
 #include "surface/field/enright_flow.h"
 #include "surface/field/particle_motion.h"
 #include "surface/mesh/mesh_measures.h"
+#include "surface/mesh/self_intersection.h"
 #include "surface/tracker/initial_mesh.h"
 #include "tools/data_files.h"
 #include "tools/experiments/enright_body.h"
 #include "tools/files.h"
 #include "tools/picture.h"
+#include "tools/timings.h"
 
 namespace kappaflow {
 namespace {
 
 constexpr double kHalf = EnrightFlow::kPeriod / 2, kEnd = EnrightFlow::kPeriod;
 
+std::vector<std::string> all_methods() {
+  std::vector<std::string> names;
+  for (const VelocityMethod& method : velocity_methods()) names.emplace_back(method.name);
+  return names;
+}
+
 struct EnrightOptions {
   std::string title;
   double spacing = 0, sigma = 0;  ///< of the particles [m], [spacings]; 0 in the exact variant
-  double edge_length = 0;         ///< [m]
+  double edge_length = 0;         ///< of the meshes that keep their connectivity [m]
+  std::vector<double> remeshed;   ///< edge lengths of those that are remeshed [m]
+  std::vector<std::string> methods{all_methods()}, remeshed_methods{"material"};
   int steps = 0;
   TrackerOptions tracker;
 };
@@ -34,6 +47,11 @@ void read_variant(TomlTable& t, bool particles, EnrightOptions& options) {
     options.sigma = t.number("sigma", {1.2, 6, false, "spacings"}, or_before(options.sigma));
   }
   options.edge_length = t.number("edge_length", {0.002, 0.1, false, "m"}, or_before(options.edge_length));
+  options.remeshed = t.numbers("remeshed_edge_lengths", {0.002, 0.1, false, "m"}, options.remeshed);
+  const std::vector<std::string> known = all_methods();
+  const std::vector<std::string_view> names(known.begin(), known.end());
+  options.methods = t.names("methods", names, options.methods);
+  options.remeshed_methods = t.names("remeshed_methods", names, options.remeshed_methods);
   options.steps =
       t.integer("steps", 2, 100000, options.steps > 0 ? std::optional(options.steps) : std::nullopt);
   TrackerOptions& tracker = options.tracker;
@@ -41,6 +59,9 @@ void read_variant(TomlTable& t, bool particles, EnrightOptions& options) {
   tracker.velocity.damping = t.number("damping", positive("", 1e3), tracker.velocity.damping);
   tracker.velocity.speed_limit = t.number("speed_limit", positive("", 1e3), tracker.velocity.speed_limit);
   tracker.fairing.iterations = t.integer("fairing_iterations", 0, 1000, tracker.fairing.iterations);
+  tracker.remeshing.turn = t.number("remesh_turn", positive("rad", 3), tracker.remeshing.turn);
+  tracker.remeshing.finest =
+      t.number("remesh_finest", {0.02, 1, false, "edge length"}, tracker.remeshing.finest);
   t.finish();
 }
 
@@ -74,12 +95,17 @@ struct Sample {
   VertexError vertex;
   double volume = 0;  ///< [m3]
   double mean_quality = 0, smallest_angle = 0, folded = 0;
-  std::size_t unprojected = 0;
+  std::size_t unprojected = 0, self_intersections = 0;
 };
 
+/// One tracked surface over the whole test.
 struct MethodResult {
-  std::string method;
+  std::string method;  ///< with "remeshed" and the edge length [m] where it is
+  bool remeshed = false;
+  std::size_t start_triangles = 0;
+  double start_volume = 0;  ///< of the start mesh [m3]
   Sample half, end;
+  double seconds = 0;  ///< wall time, the fields that all share included
 };
 
 Sample measure(const SurfaceTracker& tracker, const Field& field, const EnrightShape& shape) {
@@ -93,6 +119,7 @@ Sample measure(const SurfaceTracker& tracker, const Field& field, const EnrightS
   s.mean_quality = triangle_qualities(mesh.position, mesh.triangles).mean;
   s.smallest_angle = smallest_angle(mesh.position, mesh.triangles);
   s.folded = folded_fraction(mesh.position, s.state.normal, mesh.triangles);
+  s.self_intersections = self_intersections(mesh.position, mesh.triangles);
   s.unprojected = static_cast<std::size_t>(std::ranges::count(mesh.unprojected, 1));
   return s;
 }
@@ -100,63 +127,111 @@ Sample measure(const SurfaceTracker& tracker, const Field& field, const EnrightS
 /// A variant: its field between any two times of the test.
 using MotionBetween = std::function<std::unique_ptr<FieldMotion>(double t0, double t1)>;
 
+/// The trackers of a variant, each with the start of its result.
+struct Contest {
+  std::vector<SurfaceTracker> trackers;
+  std::vector<MethodResult> results;
+
+  void add(const TriangleMesh& start, const std::string& method, const TrackerOptions& options) {
+    TrackerOptions tracker = options;
+    tracker.method = method;
+    const double edge = tracker.remeshing.edge_length;
+    const std::string name = edge > 0 ? fmt::format("{} remeshed {}", method, edge) : method;
+    trackers.emplace_back(start, tracker);
+    results.push_back({name,
+                       edge > 0,
+                       start.triangles.size(),
+                       area_and_volume(start.position, start.triangles).volume,
+                       {},
+                       {}});
+  }
+};
+
+Contest make_contest(const EnrightOptions& options, const Field& field) {
+  Contest contest;
+  TrackerOptions tracker = options.tracker;
+  tracker.remeshing.edge_length = 0;
+  const TriangleMesh start = initial_mesh(field, options.edge_length, tracker.projection);
+  for (const std::string& method : options.methods) contest.add(start, method, tracker);
+  for (const double edge : options.remeshed) {
+    tracker.remeshing.edge_length = edge;
+    const TriangleMesh remeshed_start = initial_mesh(field, edge, tracker.projection);
+    for (const std::string& method : options.remeshed_methods) contest.add(remeshed_start, method, tracker);
+  }
+  return contest;
+}
+
+/// Makes the fields of a step, which all trackers share.
+void make_fields(FieldMotion& motion, TimeIntegrator integrator) {
+  const double dt = motion.t1() - motion.t0();
+  for (const RungeKuttaStage& stage : runge_kutta_stages(integrator))
+    motion.at(stage.time == 1 ? motion.t1() : motion.t0() + stage.time * dt);
+  motion.at(motion.t1());
+}
+
 std::vector<MethodResult> track_all(const EnrightOptions& options, const MotionBetween& motion_between,
                                     const ExperimentContext& context, const EnrightShape& at_half,
                                     const EnrightShape& at_end) {
   const double dt = EnrightFlow::kPeriod / options.steps;
-  const TriangleMesh start =
-      initial_mesh(*motion_between(0, dt)->at(0), options.edge_length, options.tracker.projection);
-  std::vector<SurfaceTracker> trackers;
-  std::vector<MethodResult> results;
-  for (const VelocityMethod& method : velocity_methods()) {
-    TrackerOptions tracker = options.tracker;
-    tracker.method = method.name;
-    trackers.emplace_back(start, tracker);
-    results.push_back({std::string(method.name), {}, {}});
-  }
+  Contest contest = make_contest(options, *motion_between(0, dt)->at(0));
   for (int n = 0; n < options.steps; ++n) {
     context.say(fmt::format("step {} of {}", n + 1, options.steps));
+    const Stopwatch watch;
     const auto motion = motion_between(n * dt, n + 1 == options.steps ? kEnd : (n + 1) * dt);
-    for (std::size_t m = 0; m < trackers.size(); ++m) {
-      trackers[m].step(*motion);
+    make_fields(*motion, options.tracker.integrator);
+    const double shared_seconds = watch.seconds();
+    for (std::size_t m = 0; m < contest.trackers.size(); ++m) {
+      SurfaceTracker& tracker = contest.trackers[m];
+      MethodResult& result = contest.results[m];
+      const TrackerStep step = tracker.step(*motion);
+      result.seconds += shared_seconds + step.velocity_seconds + step.fairing_seconds + step.remesh_seconds;
       const auto field = motion->at(motion->t1());
-      if (2 * (n + 1) == options.steps) results[m].half = measure(trackers[m], *field, at_half);
-      if (n + 1 == options.steps) results[m].end = measure(trackers[m], *field, at_end);
+      if (2 * (n + 1) == options.steps) result.half = measure(tracker, *field, at_half);
+      if (n + 1 == options.steps) result.end = measure(tracker, *field, at_end);
     }
   }
-  return results;
+  return std::move(contest.results);
 }
 
-double volume_change(const Sample& s) {
-  const double start = area_and_volume(s.mesh.rest_position, s.mesh.triangles).volume;
-  return s.volume / start - 1;
+double volume_change(const MethodResult& r, const Sample& s) {
+  return s.volume / r.start_volume - 1;
 }
 
-std::vector<std::string> table_row(const std::string& method, const std::string& when, const Sample& s) {
-  return {method,
+/// Against the sphere itself, not its start mesh, whose chords lie inside.
+double volume_error(const Sample& s) {
+  return s.volume / (4.0 / 3 * std::numbers::pi * std::pow(EnrightFlow::kRadius, 3)) - 1;
+}
+
+std::vector<std::string> table_row(const MethodResult& r, const std::string& when, const Sample& s) {
+  return {r.method,
           when,
+          fmt::format("{}", s.mesh.triangles.size()),
           fmt::format("{:.2g}, {:.2g}", s.shape.vertex_mean, s.shape.vertex_max),
           fmt::format("{:.2g}, {:.2g}", s.shape.triangle_mean, s.shape.triangle_max),
           fmt::format("{:.2g}, {:.2g}", s.shape.shape_mean, s.shape.shape_max),
-          fmt::format("{:+.2f} %", 100 * volume_change(s)),
+          fmt::format("{:+.3f} %, {:+.3f} %", 100 * volume_change(r, s), 100 * volume_error(s)),
           fmt::format("{:.2g}, {:.2g}", s.vertex.mean, s.vertex.max),
           fmt::format("{:.3f}", s.mean_quality),
           fmt::format("{:.1f}", s.smallest_angle),
           fmt::format("{:.1f} %", 100 * s.folded),
-          fmt::format("{}", s.unprojected)};
+          fmt::format("{}", s.unprojected),
+          fmt::format("{}", s.self_intersections),
+          fmt::format("{:.0f}", r.seconds)};
 }
 
 Table result_table(const std::vector<MethodResult>& results) {
   Table table{
       "Mean and largest distances in metres. *Shape error*: from the mesh's vertices, and from points on its "
       "triangles, to the exact shape, and from points of the exact shape to the mesh. *Volume*: against the "
-      "start mesh. *Vertex error*: from each vertex to where its material is.",
-      {"method", "at", "vertices to shape", "triangles to shape", "shape to mesh", "volume", "vertex error",
-       "quality, mean", "smallest angle [degrees]", "folded", "not on the surface"},
+      "start mesh, and against the exact sphere's. *Vertex error*: from each vertex to where the material is "
+      "that it claims to be. *Time*: wall time from 0 to T, measures left out.",
+      {"method", "at", "triangles", "vertices to shape", "triangles to shape", "shape to mesh", "volume",
+       "vertex error", "quality, mean", "smallest angle [degrees]", "folded", "not on the surface",
+       "self-intersections", "time [s]"},
       {}};
   for (const MethodResult& r : results) {
-    table.rows.push_back(table_row(r.method, "T/2", r.half));
-    table.rows.push_back(table_row(r.method, "T", r.end));
+    table.rows.push_back(table_row(r, "T/2", r.half));
+    table.rows.push_back(table_row(r, "T", r.end));
   }
   return table;
 }
@@ -175,17 +250,28 @@ Table other_programs() {
 
 std::string csv(const std::vector<MethodResult>& results) {
   std::string text =
-      "method,time,vertex_to_shape_mean,vertex_to_shape_max,triangle_to_shape_mean,triangle_to_shape_max,"
-      "shape_to_mesh_mean,shape_to_mesh_max,volume_change,vertex_error_mean,vertex_error_max,quality_mean,"
-      "smallest_angle,folded_fraction,unprojected\n";
+      "method,time,triangles,vertex_to_shape_mean,vertex_to_shape_max,triangle_to_shape_mean,triangle_to_"
+      "shape_max,"
+      "shape_to_mesh_mean,shape_to_mesh_max,volume_change,volume_error,vertex_error_mean,vertex_error_max,"
+      "quality_mean,"
+      "smallest_angle,folded_fraction,unprojected,self_intersections,seconds\n";
   for (const MethodResult& r : results)
     for (const auto& [time, s] : {std::pair{kHalf, &r.half}, std::pair{kEnd, &r.end}})
       text += fmt::format(
-          "{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{}\n",
-          r.method, time, s->shape.vertex_mean, s->shape.vertex_max, s->shape.triangle_mean,
-          s->shape.triangle_max, s->shape.shape_mean, s->shape.shape_max, volume_change(*s), s->vertex.mean,
-          s->vertex.max, s->mean_quality, s->smallest_angle, s->folded, s->unprojected);
+          "{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{"
+          ":.6g},"
+          "{},{},{:.3g}\n",
+          r.method, time, s->mesh.triangles.size(), s->shape.vertex_mean, s->shape.vertex_max,
+          s->shape.triangle_mean, s->shape.triangle_max, s->shape.shape_mean, s->shape.shape_max,
+          volume_change(r, *s), volume_error(*s), s->vertex.mean, s->vertex.max, s->mean_quality,
+          s->smallest_angle, s->folded, s->unprojected, s->self_intersections, r.seconds);
   return text;
+}
+
+std::string file_name(const MethodResult& r, const std::string& when) {
+  std::string name = fmt::format("{}_{}.vtp", r.method, when);
+  std::ranges::replace(name, ' ', '-');
+  return name;
 }
 
 void write_meshes(const std::vector<MethodResult>& results, const ExperimentContext& context,
@@ -197,8 +283,9 @@ void write_meshes(const std::vector<MethodResult>& results, const ExperimentCont
       const Sample& s = r.*member;
       const auto data = surface_data(
           {time, s.mesh, s.state, checker_colours(s.mesh.rest_position, EnrightFlow::kRadius / 3),
-           texture_coordinates(s.mesh.rest_position, TextureProjection::spherical)});
-      write_vtp(context.folder / fmt::format("{}_{}.vtp", r.method, name), *data);
+           texture_coordinates(s.mesh.rest_position, bounding_box(s.mesh.rest_position),
+                               TextureProjection::spherical)});
+      write_vtp(context.folder / file_name(r, name), *data);
       panels.push_back({fmt::format("{}, t = {} s", r.method, time), data});
     }
     const std::string picture = fmt::format("{}-{}.png", context.name, name);
@@ -229,7 +316,7 @@ void judge(const std::vector<MethodResult>& results, bool particles, Report& rep
   report.statements.push_back(judged(
       "kappaflow", "At T/2 the mesh is still sound: nothing folded, no angle below a degree.", meshes, sound,
       "A mesh that keeps its connectivity is drawn out with the sheet, even where it returns perfectly: the "
-      "state at T alone would hide that. Remeshing is what this needs."));
+      "state at T alone would hide that."));
 }
 
 Report enright(const ExperimentContext& context, const EnrightOptions& options, bool particles,
@@ -243,11 +330,10 @@ Report enright(const ExperimentContext& context, const EnrightOptions& options, 
   report.introduction =
       introduction + fmt::format(
                          " Sphere of radius {} m, period {} s, velocity times cos(pi t/T); {} triangles, {} "
-                         "steps with {}, damping {}, {} fairing iterations, no remeshing.",
-                         EnrightFlow::kRadius, EnrightFlow::kPeriod,
-                         results.front().end.mesh.triangles.size(), options.steps,
-                         name_of(kIntegrators, options.tracker.integrator), options.tracker.velocity.damping,
-                         options.tracker.fairing.iterations);
+                         "steps with {}, damping {}, {} fairing iterations.",
+                         EnrightFlow::kRadius, EnrightFlow::kPeriod, results.front().start_triangles,
+                         options.steps, name_of(kIntegrators, options.tracker.integrator),
+                         options.tracker.velocity.damping, options.tracker.fairing.iterations);
   judge(results, particles, report);
   write_meshes(results, context, report);
   write_file(context.folder / "enright.csv", csv(results));

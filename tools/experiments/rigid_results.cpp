@@ -54,7 +54,8 @@ vtkSmartPointer<vtkPolyData> mesh_data(const RigidExperiment& experiment, const 
       surface_state(*particles.at(time), mesh, vertex_rings(mesh.vertex_count(), mesh.triangles),
                     velocity_method(c.method), experiment.tracker.velocity);
   return surface_data({time, mesh, state, checker_colours(mesh.rest_position, experiment.checker_size),
-                       texture_coordinates(mesh.rest_position, TextureProjection::spherical)});
+                       texture_coordinates(mesh.rest_position, bounding_box(mesh.rest_position),
+                                           TextureProjection::spherical)});
 }
 
 }  // namespace

@@ -9,6 +9,8 @@
 #include "surface/mesh/edge_edits.h"
 #include "surface/mesh/isosurface.h"
 #include "surface/mesh/mesh_measures.h"
+#include "surface/mesh/self_intersection.h"
+#include "surface/mesh/texture_jumps.h"
 #include "tests/surface/mesh/analytic_fields.h"
 
 namespace kappaflow {
@@ -291,33 +293,167 @@ TEST(Isosurface, EmptyFieldsAndWrongSpacings) {
 TEST(EdgeEdits, RefuseToBreakATetrahedron) {
   TriangleMesh mesh = tetrahedra(1);
   const std::vector<Triangle> before = mesh.triangles;
-  EdgeEdits edits(mesh.position, mesh.triangles);
-  EXPECT_FALSE(edits.collapse(0, 1, 10));
-  EXPECT_FALSE(edits.flip(0, 1));
+  EdgeEdits edits;
+  edits.start(mesh);
+  for (int h = 0; h < edits.half_edges(); ++h) {
+    EXPECT_FALSE(edits.can_collapse(h));
+    EXPECT_FALSE(edits.flip(h));
+  }
+  const int h = edits.find(0, 1);
+  EXPECT_EQ(edits.apex(h), 3);
+  EXPECT_EQ(edits.apex(edits.twin(h)), 2);
+  edits.finish();
   EXPECT_EQ(mesh.triangles, before);
-  EXPECT_EQ(edits.opposite(0, 1), (std::array<int, 2>{3, 2}));
 }
 
-TEST(EdgeEdits, RandomEditsKeepTheMeshClosedAndManifold) {
+TEST(EdgeEdits, RefuseAMeshThatIsNotClosed) {
+  TriangleMesh mesh = tetrahedra(1);
+  mesh.triangles.pop_back();
+  EdgeEdits edits;
+  EXPECT_THROW(edits.start(mesh), TopologyError);
+}
+
+TEST(EdgeEdits, SplitBlendsAttributes) {
+  TriangleMesh mesh = tetrahedra(2);
+  for (std::size_t v = 0; v < 8; ++v) mesh.rest_position[v] = Vec3(static_cast<double>(v), 0, 0);
+  EdgeEdits edits;
+  edits.start(mesh);
+  const int m = edits.split(edits.find(1, 2), 0.25, Vec3(7, 8, 9));
+  EXPECT_EQ(edits.valence(m), 4);
+  edits.finish();
+  EXPECT_EQ(mesh.position[8], Vec3(7, 8, 9));
+  EXPECT_EQ(mesh.rest_position[8], Vec3(1.25, 0, 0));
+  EXPECT_EQ(mesh.id[8], 8);
+  EXPECT_EQ(mesh.next_id, 9);
+  EXPECT_EQ(mesh.triangles.size(), 10u);
+  EXPECT_TRUE(has_single_fans(mesh));
+}
+
+/// A random edit; whether one was made.
+bool random_edit(EdgeEdits& edits, const TriangleMesh& mesh, std::mt19937& random) {
+  const int h = static_cast<int>(random() % edits.half_edges());
+  if (edits.is_removed(h)) return false;
+  const int u = edits.origin(h), v = edits.end(h);
+  const Vec3 midpoint = 0.5 * (mesh.position[u] + mesh.position[v]);
+  switch (random() % 5) {
+    case 0:
+      edits.split(h, 0.5, midpoint);
+      return true;
+    case 1:
+      edits.replace(u, {{u, v, edits.apex(h)}, {0.5, 0.25, 0.25}}, midpoint);
+      return true;
+    case 2:
+      return edits.flip(h);
+    default:
+      if (!edits.can_collapse(h)) return false;
+      edits.collapse(h);
+      return true;
+  }
+}
+
+TEST(EdgeEdits, RandomEditsKeepTheMeshClosedAndManifoldAndVerticesThemselves) {
   for (unsigned seed = 0; seed < 6; ++seed) {
     TriangleMesh mesh = extract_isosurface(testing::random_blobs(seed, 50, 1.5), 0.35);
+    const TriangleMesh start = mesh;
     const MeshTopology before = mesh_topology(mesh.position, mesh.triangles);
     std::mt19937 random(seed);
-    EdgeEdits edits(mesh.position, mesh.triangles);
-    int done = 0;
-    for (int i = 0; i < 3000; ++i) {
-      const Triangle t = mesh.triangles[random() % mesh.triangles.size()];
-      if (t[0] < 0) continue;
-      done += random() % 2 == 0 ? edits.collapse(t[0], t[1], 2) : edits.flip(t[0], t[1]);
+    EdgeEdits edits;
+    for (int round = 0; round < 4; ++round) {
+      edits.start(mesh);
+      int done = 0;
+      for (int i = 0; i < 1000; ++i) done += random_edit(edits, mesh, random);
+      edits.finish();
+      EXPECT_GT(done, 100);
+      const MeshTopology after = mesh_topology(mesh.position, mesh.triangles);
+      EXPECT_EQ(after.components, before.components);
+      EXPECT_EQ(after.genus, before.genus);
+      EXPECT_TRUE(has_single_fans(mesh));
+      EXPECT_TRUE(std::ranges::is_sorted(mesh.id, std::less_equal{}));
+      EXPECT_LT(mesh.id.back(), mesh.next_id);
+      const std::size_t old = vertices_older_than(mesh, start.next_id);
+      for (std::size_t v = 0; v < old; ++v) {
+        EXPECT_EQ(mesh.position[v], start.position[mesh.id[v]]);
+        EXPECT_EQ(mesh.rest_position[v], start.rest_position[mesh.id[v]]);
+      }
     }
-    edits.compact();
-    mesh = make_triangle_mesh(mesh.position, mesh.triangles);
-    const MeshTopology after = mesh_topology(mesh.position, mesh.triangles);
-    EXPECT_GT(done, 100);
-    EXPECT_EQ(after.components, before.components);
-    EXPECT_EQ(after.genus, before.genus);
-    EXPECT_TRUE(has_single_fans(mesh));
   }
+}
+
+TEST(SelfIntersection, CountsThePairsThatABruteForceSearchFinds) {
+  // Two bodies that overlap, and one far away: pieces of one mesh. Askew, so that nothing merely touches.
+  TriangleMesh mesh;
+  for (const Vec3& centre : {Vec3(0, 0, 0), Vec3(0.7, 0.2, 0.1), Vec3(5, 0, 0)}) {
+    const Mat3 askew = testing::rotation(Vec3(0.3, 0.5, -1));
+    const TriangleMesh one = extract_isosurface(EllipsoidField(centre, askew, Vec3(1, 0.9, 0.8)), 0.31);
+    const int first = static_cast<int>(mesh.position.size());
+    mesh.position.insert(mesh.position.end(), one.position.begin(), one.position.end());
+    for (const Triangle& t : one.triangles)
+      mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+  }
+  const auto volume = [&](int a, int b, int c, int d) {
+    const Vec3 x = mesh.position[a];
+    return (mesh.position[b] - x).cross(mesh.position[c] - x).dot(mesh.position[d] - x);
+  };
+  const auto pierces = [&](int p, int q, const Triangle& t) {
+    const bool a = volume(p, q, t[0], t[1]) > 0, b = volume(p, q, t[1], t[2]) > 0,
+               c = volume(p, q, t[2], t[0]) > 0;
+    return a == b && b == c && volume(t[0], t[1], t[2], p) * volume(t[0], t[1], t[2], q) < 0;
+  };
+  const auto cuts = [&](const Triangle& s, const Triangle& t) {
+    return pierces(s[0], s[1], t) || pierces(s[1], s[2], t) || pierces(s[2], s[0], t);
+  };
+  std::size_t pairs = 0;
+  for (std::size_t a = 0; a < mesh.triangles.size(); ++a)
+    for (std::size_t b = a + 1; b < mesh.triangles.size(); ++b) {
+      const Triangle &s = mesh.triangles[a], &t = mesh.triangles[b];
+      const bool share = std::ranges::any_of(s, [&](int v) { return std::ranges::find(t, v) != t.end(); });
+      pairs += !share && (cuts(s, t) || cuts(t, s));
+    }
+  EXPECT_GT(pairs, 20u);
+  EXPECT_EQ(self_intersections(mesh.position, mesh.triangles), pairs);
+}
+
+TEST(SelfIntersection, NoneInAnIsosurfaceAndSomeWhereAVertexIsPulledThrough) {
+  TriangleMesh mesh = extract_isosurface(sphere(1), 0.2);
+  EXPECT_EQ(self_intersections(mesh.position, mesh.triangles), 0u);
+  mesh.position[0] *= -1.5;
+  EXPECT_GT(self_intersections(mesh.position, mesh.triangles), 0u);
+  EXPECT_EQ(self_intersections({}, {}), 0u);
+}
+
+/// A sphere whose rest positions are map(position).
+template <class Map>
+TextureJumps jumps_of(double spacing, const Map& map) {
+  TriangleMesh mesh = extract_isosurface(sphere(1), spacing);
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) mesh.rest_position[v] = map(mesh.position[v]);
+  return texture_jumps(mesh);
+}
+
+TEST(TextureJumps, VanishWithTheMeshWidthWhereTheMapIsSmooth) {
+  const auto smooth = [](const Vec3& x) {
+    return Vec3(x[0] + 0.3 * x[1] * x[2], 2 * x[1], x[2] - 0.2 * x[0]);
+  };
+  const TextureJumps coarse = jumps_of(0.2, smooth), fine = jumps_of(0.05, smooth);
+  EXPECT_LT(fine.mean, 0.4 * coarse.mean);  // of first order: a quarter
+  EXPECT_EQ(fine.cracks, 0);
+}
+
+TEST(TextureJumps, SeeATear) {
+  // The right half of the map is slid along the tear by a quarter of the radius.
+  const auto torn = [](const Vec3& x) { return Vec3(x[0], x[1] + (x[0] > 0.013 ? 0.25 : 0), x[2]); };
+  EXPECT_GT(jumps_of(0.05, torn).cracks, 0.005);
+  const auto nowhere = [](const Vec3&) { return Vec3(1, 2, 3); };
+  EXPECT_EQ(jumps_of(0.2, nowhere).mean, 0) << "a map without a gradient has no relative jump";
+}
+
+TEST(TriangleMeasures, ShareOfAnglesOutside) {
+  // 90, 53.1 and 36.9 degrees; 26.6, 26.6 and 126.9 degrees
+  const std::vector<Vec3> corners{Vec3(0, 0, 0), Vec3(4, 0, 0), Vec3(4, 3, 0), Vec3(2, 1, 0)};
+  const std::vector<Triangle> both{{0, 1, 2}, {0, 1, 3}};
+  EXPECT_EQ(angles_outside(corners, both, 15, 140), 0);
+  EXPECT_EQ(angles_outside(corners, both, 30, 140), 0.5);
+  EXPECT_EQ(angles_outside(corners, both, 15, 120), 0.5);
+  EXPECT_EQ(angles_outside(corners, both, 40, 140), 1);
 }
 
 TEST(TriangleMeasures, DistortionOfAStretchedTriangle) {

@@ -264,8 +264,8 @@ TEST(Tracers, FollowARigidBodyWithFourthOrder) {
       auto motion = moving_ellipsoid(2.0 * n / steps, 2.0 * (n + 1) / steps);
       tracers.step(motion);
     }
-    std::vector<Vec3> exact;
-    for (const Vec3& x : start.position) exact.push_back(moved_with_ellipsoid(x, 2));
+    TriangleMesh exact = start;
+    for (Vec3& x : exact.position) x = moved_with_ellipsoid(x, 2);
     error.push_back(tracer_distance(exact, tracers, 0.5).value());
     EXPECT_EQ(tracers.lost_count(), 0u);
   }
@@ -280,12 +280,26 @@ TEST(Tracers, LostOneStaysAndDoesNotCount) {
   EXPECT_EQ(tracers.lost_count(), 1u);
   EXPECT_EQ(tracers.position()[1], start[1]);
   EXPECT_GT((tracers.position()[0] - start[0]).norm(), 0.01);
-  const std::vector<Vec3> vertices{tracers.position()[0] + Vec3(0.3, 0, 0), Vec3(99, 0, 0)};
-  EXPECT_NEAR(tracer_distance(vertices, tracers, 2).value(), 0.15, 1e-12);
+  TriangleMesh mesh = make_triangle_mesh({tracers.position()[0] + Vec3(0.3, 0, 0), Vec3(99, 0, 0)}, {});
+  EXPECT_NEAR(tracer_distance(mesh, tracers, 2).value(), 0.15, 1e-12);
+  mesh.position.emplace_back(50, 50, 50);
+  mesh.id.push_back(mesh.next_id++);
+  EXPECT_NEAR(tracer_distance(mesh, tracers, 2).value(), 0.15, 1e-12) << "a later vertex has no tracer";
 
   MaterialTracers all_lost(std::span<const Vec3>(start).subspan(1));
   all_lost.step(motion);
-  EXPECT_FALSE(tracer_distance(std::span<const Vec3>(start).subspan(1), all_lost, 1).has_value());
+  EXPECT_FALSE(tracer_distance(make_triangle_mesh({start[1]}, {}), all_lost, 1).has_value());
+}
+
+TEST(Tracers, OfVerticesThatAreGoneDoNotCount) {
+  const std::vector<Vec3> start{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(2, 0, 0)};
+  const MaterialTracers tracers(start);
+  TriangleMesh mesh = make_triangle_mesh({Vec3(0, 1, 0), Vec3(2, 3, 0)}, {});
+  mesh.id = {0, 2};
+  mesh.next_id = 3;
+  EXPECT_NEAR(tracer_distance(mesh, tracers, 1).value(), 2, 1e-12);
+  mesh.id = {3, 4};
+  EXPECT_FALSE(tracer_distance(mesh, tracers, 1).has_value());
 }
 
 }  // namespace

@@ -1,0 +1,144 @@
+// A uniform grid finds the pairs; an edge crosses a triangle where it changes the side of its plane and the
+// edge sees the triangle's corners turn one way (signed volumes, Segura & Feito 2001).
+#include "surface/mesh/self_intersection.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/parallel.h"
+
+namespace kappaflow {
+namespace {
+
+constexpr double kMostCells = 1048576;  // along an axis: three indices fit into 60 bits
+
+struct Box {
+  Vec3 lower, upper;
+  bool meets(const Box& other) const {
+    return (lower.array() <= other.upper.array()).all() && (other.lower.array() <= upper.array()).all();
+  }
+};
+
+using Corners = std::array<Vec3, 3>;
+
+double signed_volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  return (b - a).cross(c - a).dot(d - a);
+}
+
+bool crosses(const Vec3& p, const Vec3& q, const Corners& t) {
+  const double side_p = signed_volume(t[0], t[1], t[2], p), side_q = signed_volume(t[0], t[1], t[2], q);
+  if (!(side_p * side_q < 0)) return false;
+  const double a = signed_volume(p, q, t[0], t[1]), b = signed_volume(p, q, t[1], t[2]),
+               c = signed_volume(p, q, t[2], t[0]);
+  return (a > 0 && b > 0 && c > 0) || (a < 0 && b < 0 && c < 0);
+}
+
+/// Triangles in the cells of a grid that their boxes meet.
+class TriangleGrid {
+ public:
+  TriangleGrid(std::span<const Vec3> position, std::span<const Triangle> triangles)
+      : position_(position), triangles_(triangles), boxes_(triangles.size()) {
+    set_boxes();
+    set_entries();
+  }
+
+  std::size_t intersections() const {
+    return parallel_sum(cell_start_.size() - 1, std::size_t{0},
+                        [&](std::size_t cell) { return intersections_in(cell); });
+  }
+
+ private:
+  struct Entry {
+    std::uint64_t cell;
+    int triangle;
+    bool operator<(const Entry& other) const {
+      return cell != other.cell ? cell < other.cell : triangle < other.triangle;
+    }
+  };
+  using Cell = std::array<std::uint64_t, 3>;
+
+  void set_boxes() {
+    Vec3 lower = Vec3::Constant(HUGE_VAL), upper = -lower, size = Vec3::Zero();
+    for (std::size_t t = 0; t < boxes_.size(); ++t) {
+      const auto& [a, b, c] = corners(static_cast<int>(t));
+      boxes_[t] = {a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)};
+      lower = lower.cwiseMin(boxes_[t].lower);
+      upper = upper.cwiseMax(boxes_[t].upper);
+      size += boxes_[t].upper - boxes_[t].lower;
+    }
+    origin_ = lower;
+    const double mean = size.maxCoeff() / static_cast<double>(std::max<std::size_t>(1, boxes_.size()));
+    cell_size_ = std::max(2 * mean, (upper - lower).maxCoeff() / kMostCells);
+  }
+
+  void set_entries() {
+    for (int t = 0; t < static_cast<int>(boxes_.size()); ++t) {
+      const Cell first = cell_of(boxes_[t].lower), last = cell_of(boxes_[t].upper);
+      for (std::uint64_t k = first[2]; k <= last[2]; ++k)
+        for (std::uint64_t j = first[1]; j <= last[1]; ++j)
+          for (std::uint64_t i = first[0]; i <= last[0]; ++i) entries_.push_back({key({i, j, k}), t});
+    }
+    std::sort(entries_.begin(), entries_.end());
+    for (std::size_t e = 0; e < entries_.size(); ++e)
+      if (e == 0 || entries_[e].cell != entries_[e - 1].cell) cell_start_.push_back(e);
+    cell_start_.push_back(entries_.size());
+  }
+
+  Corners corners(int t) const {
+    const Triangle& triangle = triangles_[t];
+    return {position_[triangle[0]], position_[triangle[1]], position_[triangle[2]]};
+  }
+  Cell cell_of(const Vec3& x) const {
+    const Vec3 cells = (x - origin_) / cell_size_;
+    return {static_cast<std::uint64_t>(cells[0]), static_cast<std::uint64_t>(cells[1]),
+            static_cast<std::uint64_t>(cells[2])};
+  }
+  static std::uint64_t key(const Cell& cell) { return cell[0] << 42 | cell[1] << 21 | cell[2]; }
+
+  std::size_t intersections_in(std::size_t cell) const {
+    std::size_t found = 0;
+    for (std::size_t a = cell_start_[cell]; a < cell_start_[cell + 1]; ++a)
+      for (std::size_t b = a + 1; b < cell_start_[cell + 1]; ++b) {
+        const Box &box_a = boxes_[entries_[a].triangle], &box_b = boxes_[entries_[b].triangle];
+        if (!box_a.meets(box_b)) continue;
+        // A pair may meet in several cells; it counts in the one that holds their boxes' common lower corner.
+        if (key(cell_of(box_a.lower.cwiseMax(box_b.lower))) != entries_[a].cell) continue;
+        found += intersect(entries_[a].triangle, entries_[b].triangle);
+      }
+    return found;
+  }
+
+  bool intersect(int a, int b) const { return edges_cross(a, b) || edges_cross(b, a); }
+
+  /// Whether an edge of a that has no vertex in common with b crosses b; false where they share two vertices.
+  bool edges_cross(int a, int b) const {
+    const Triangle &ta = triangles_[a], &tb = triangles_[b];
+    std::array<bool, 3> shared;
+    for (int i = 0; i < 3; ++i) shared[i] = std::ranges::find(tb, ta[i]) != tb.end();
+    const Corners at_b = corners(b);
+    for (int i = 0; i < 3; ++i) {
+      const int j = (i + 1) % 3;
+      if (!shared[i] && !shared[j] && crosses(position_[ta[i]], position_[ta[j]], at_b)) return true;
+    }
+    return false;
+  }
+
+  std::span<const Vec3> position_;
+  std::span<const Triangle> triangles_;
+  std::vector<Box> boxes_;
+  Vec3 origin_ = Vec3::Zero();
+  double cell_size_ = 1;
+  std::vector<Entry> entries_;
+  std::vector<std::size_t> cell_start_;
+};
+
+}  // namespace
+
+std::size_t self_intersections(std::span<const Vec3> position, std::span<const Triangle> triangles) {
+  if (triangles.empty()) return 0;
+  return TriangleGrid(position, triangles).intersections();
+}
+
+}  // namespace kappaflow

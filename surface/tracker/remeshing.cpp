@@ -1,0 +1,380 @@
+#include "surface/tracker/remeshing.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <tuple>
+
+#include "core/parallel.h"
+
+namespace kappaflow {
+namespace {
+
+constexpr double kLong = 1.5, kShort = 0.6;  // in lengths aimed at: half of a long edge is not short
+constexpr double kGrading = 0.4;   // largest change of the length aimed at per length along the surface
+constexpr int kGradingPasses = 3;  // more follow in the next steps
+constexpr double kSharp = 0.927;   // cosine of the smallest angle that needs no repair: 22 degrees
+constexpr double kFacing = 0.9;    // cosine between a triangle and its corners' normals that is always good
+constexpr double kGain = 1e-3;     // least improvement of that cosine which is worth an edit
+constexpr double kFlipMargin = 1e-9;  // of the sum of cotangents
+constexpr int kRounds = 3;            // of flips and repairs
+
+double cotangent(const Vec3& apex, const Vec3& a, const Vec3& b) {
+  return (a - apex).dot(b - apex) / (a - apex).cross(b - apex).norm();
+}
+
+/// Cosine of the smallest angle: 1/2 for an equilateral triangle, 1 for a degenerate one.
+double sharpness(const Vec3& a, const Vec3& b, const Vec3& c) {
+  double s = (b - c).squaredNorm(), l = (c - a).squaredNorm(), m = (a - b).squaredNorm();
+  if (s > l) std::swap(s, l);
+  if (s > m) std::swap(s, m);
+  const double product = std::sqrt(l * m);
+  return product > 0 ? (l + m - s) / (2 * product) : 1;
+}
+
+/// Cosine of the angle between a triangle's normal and the sum of those at its corners.
+double facing(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& normal_sum) {
+  const Vec3 area = (b - a).cross(c - a);
+  const double size = area.norm() * normal_sum.norm();
+  return size > 0 ? area.dot(normal_sum) / size : -1;
+}
+
+/// The worst triangle of a group.
+struct Worst {
+  double sharpness = 0, facing = 1;
+  void add(double sharp, double face) {
+    sharpness = std::max(sharpness, sharp);
+    facing = std::min(facing, face);
+  }
+  bool faces_well(const Worst& before) const {
+    return facing > 0 && facing >= std::min(kFacing, before.facing);
+  }
+};
+
+}  // namespace
+
+/// One remesh(): what its edits work on.
+class RemeshPass {
+ public:
+  RemeshPass(const Field& field, const ProjectionOptions& projection, TriangleMesh& mesh, VertexFacts facts,
+             Remesher& scratch)
+      : field_(field), projection_(projection), mesh_(mesh), facts_(facts), s_(scratch), edits_(s_.edits_) {}
+
+  void set_targets(const RemeshOptions& options, const VertexRings& rings);
+  void split_long_edges();
+  void collapse_short_edges();
+  void flip_towards_delaunay();
+  bool repair_sharp_triangles();
+  void finish();
+
+  RemeshCounts counts;
+
+ private:
+  const Vec3& at(int v) const { return mesh_.position[v]; }
+  double aimed_at(int u, int v) const { return 0.5 * (s_.target_[u] + s_.target_[v]); }
+  void add_to(Worst& worst, int a, int b, int c) const { add_to(worst, at(a), s_.normal_[a], b, c); }
+  /// A triangle with its first corner at x, where the normal is n.
+  void add_to(Worst& worst, const Vec3& x, const Vec3& n, int b, int c) const {
+    worst.add(sharpness(x, at(b), at(c)), facing(x, at(b), at(c), n + s_.normal_[b] + s_.normal_[c]));
+  }
+  Worst fan(int v) const;
+  Worst fan_moved(int v, const Vec3& x, const Vec3& n) const;
+  double normal_turn(int u, int v) const;
+  template <class Choose>
+  void collect_edges(const Choose& choose);
+  void project_midpoints();
+  void split(int h, const Projected& midpoint);
+  bool collapse_either_way(int h, bool repair);
+  bool may_collapse(int h, bool repair);
+  bool flip(int h);
+  bool replace_a_corner(int triangle);
+  std::optional<Vec3> better_place(int v, double& sharp) const;
+  VertexBlend blend_around(int v, const Vec3& x) const;
+  bool replace(int v, const Vec3& x);
+  void add_facts(const Projected& projected, const VertexBlend& from);
+
+  const Field& field_;
+  const ProjectionOptions& projection_;
+  TriangleMesh& mesh_;
+  VertexFacts facts_;
+  Remesher& s_;
+  EdgeEdits& edits_;
+};
+
+/// Normal curvature of the surface along edge (u, v), torsion included [1/m]; 0 where an end is off it.
+double RemeshPass::normal_turn(int u, int v) const {
+  if (mesh_.unprojected[u] || mesh_.unprojected[v]) return 0;
+  return (s_.normal_[v] - s_.normal_[u]).norm() / (at(v) - at(u)).norm();
+}
+
+void RemeshPass::set_targets(const RemeshOptions& options, const VertexRings& rings) {
+  const std::size_t n = mesh_.vertex_count();
+  s_.normal_.resize(n);
+  s_.target_.resize(n);
+  s_.smoothed_.resize(n);
+  parallel_for(n, [&](std::size_t v) { s_.normal_[v] = -facts_.gradient[v].normalized(); });
+  parallel_for(n, [&](std::size_t i) {
+    const int v = static_cast<int>(i);
+    double curvature = 0;
+    for (const int w : rings.of(v)) curvature = std::max(curvature, normal_turn(v, w));
+    s_.target_[v] =
+        std::clamp(options.turn / curvature, options.finest * options.edge_length, options.edge_length);
+  });
+  for (int pass = 0; pass < kGradingPasses; ++pass) {
+    parallel_for(n, [&](std::size_t i) {
+      const int v = static_cast<int>(i);
+      double target = s_.target_[v];
+      for (const int w : rings.of(v))
+        target = std::min(target, s_.target_[w] + kGrading * (at(w) - at(v)).norm());
+      s_.smoothed_[v] = target;
+    });
+    std::swap(s_.target_, s_.smoothed_);
+  }
+}
+
+/// Candidates are the edges (u, v), u < v, that choose(size) takes.
+template <class Choose>
+void RemeshPass::collect_edges(const Choose& choose) {
+  s_.candidates_.clear();
+  for (int h = 0; h < edits_.half_edges(); ++h) {
+    if (edits_.is_removed(h)) continue;
+    const int u = edits_.origin(h), v = edits_.end(h);
+    if (u > v) continue;
+    const double size = (at(u) - at(v)).norm() / aimed_at(u, v);
+    if (choose(size)) s_.candidates_.push_back({size, u, v});
+  }
+}
+
+void RemeshPass::project_midpoints() {
+  s_.midpoints_.resize(s_.candidates_.size());
+  parallel_for(
+      s_.candidates_.size(),
+      [&](std::size_t i) {
+        const auto& [size, u, v] = s_.candidates_[i];
+        s_.midpoints_[i] = project(field_, 0.5 * (at(u) + at(v)), projection_);
+      },
+      1);
+}
+
+void RemeshPass::split_long_edges() {
+  collect_edges([](double size) { return size > kLong; });
+  std::ranges::sort(s_.candidates_, [](const auto& a, const auto& b) {
+    return std::tuple(-a.size, a.u, a.v) < std::tuple(-b.size, b.u, b.v);
+  });
+  project_midpoints();
+  for (std::size_t i = 0; i < s_.candidates_.size(); ++i)
+    split(edits_.find(s_.candidates_[i].u, s_.candidates_[i].v), s_.midpoints_[i]);
+}
+
+void RemeshPass::split(int h, const Projected& midpoint) {
+  const int u = edits_.origin(h), v = edits_.end(h), a = edits_.apex(h), b = edits_.apex(edits_.twin(h));
+  const Vec3& x = midpoint.position;
+  if (!midpoint.converged || (x - 0.5 * (at(u) + at(v))).norm() > 0.5 * (at(u) - at(v)).norm()) return;
+  Worst before, after;
+  add_to(before, u, v, a);
+  add_to(before, v, u, b);
+  const Vec3 n = -midpoint.gradient.normalized();
+  add_to(after, x, n, v, a);
+  add_to(after, x, n, a, u);
+  add_to(after, x, n, u, b);
+  add_to(after, x, n, b, v);
+  if (!after.faces_well(before)) return;
+  const Projected kept = midpoint;
+  edits_.split(h, 0.5, kept.position);
+  add_facts(kept, {{u, v, v}, {0.5, 0.5, 0}});
+  ++counts.splits;
+}
+
+void RemeshPass::add_facts(const Projected& projected, const VertexBlend& from) {
+  facts_.gradient.push_back(projected.gradient);
+  facts_.mobility.push_back(blended(facts_.mobility, from));
+  s_.normal_.emplace_back(-projected.gradient.normalized());
+  s_.target_.push_back(blended(s_.target_, from));
+  counts.residual_max = std::max(counts.residual_max, projected.residual);
+}
+
+void RemeshPass::collapse_short_edges() {
+  collect_edges([](double size) { return size < kShort; });
+  std::ranges::sort(s_.candidates_, [](const auto& a, const auto& b) {
+    return std::tuple(a.size, a.u, a.v) < std::tuple(b.size, b.u, b.v);
+  });
+  for (const auto& [size, u, v] : s_.candidates_)
+    if (const int h = edits_.find(u, v); h >= 0) collapse_either_way(h, false);
+}
+
+/// Vertices off the surface go first, then the younger ones.
+bool RemeshPass::collapse_either_way(int h, bool repair) {
+  const auto rank = [&](int v) { return std::pair(mesh_.unprojected[v], v); };
+  if (rank(edits_.origin(h)) < rank(edits_.end(h))) h = edits_.twin(h);
+  for (const int way : {h, edits_.twin(h)})
+    if (may_collapse(way, repair)) {
+      edits_.collapse(way);
+      ++counts.collapses;
+      return true;
+    }
+  return false;
+}
+
+/// repair: whether the triangles must become better; else they must not become bad.
+bool RemeshPass::may_collapse(int h, bool repair) {
+  const int u = edits_.origin(h), v = edits_.end(h), left = h / 3, right = edits_.twin(h) / 3;
+  Worst before = fan(u), after;
+  bool too_long = false;
+  edits_.for_each_out(u, [&](int out) {
+    const int b = edits_.end(out);
+    if (b != v) too_long |= (at(b) - at(v)).norm() > kLong * aimed_at(b, v);
+    if (out / 3 != left && out / 3 != right) add_to(after, v, b, edits_.apex(out));
+  });
+  const double limit = repair ? before.sharpness - kGain : std::max(kSharp, before.sharpness);
+  return !too_long && after.sharpness <= limit && after.faces_well(before) && edits_.can_collapse(h);
+}
+
+Worst RemeshPass::fan(int v) const {
+  return fan_moved(v, at(v), s_.normal_[v]);
+}
+
+/// The triangles of v if it were at x, where the normal is n.
+Worst RemeshPass::fan_moved(int v, const Vec3& x, const Vec3& n) const {
+  Worst worst;
+  edits_.for_each_out(v, [&](int out) { add_to(worst, x, n, edits_.end(out), edits_.apex(out)); });
+  return worst;
+}
+
+/// Lawson's flips; the smallest angle grows with each, so that they end.
+void RemeshPass::flip_towards_delaunay() {
+  s_.pending_.clear();
+  for (int h = edits_.half_edges() - 1; h >= 0; --h)
+    if (!edits_.is_removed(h) && h < edits_.twin(h)) s_.pending_.push_back(h);
+  while (!s_.pending_.empty()) {
+    const int h = s_.pending_.back();
+    s_.pending_.pop_back();
+    const int right = edits_.twin(h) / 3, left = h / 3;
+    if (!flip(h)) continue;
+    for (const int around : {3 * left, 3 * left + 2, 3 * right, 3 * right + 2}) s_.pending_.push_back(around);
+  }
+}
+
+bool RemeshPass::flip(int h) {
+  const int u = edits_.origin(h), v = edits_.end(h), a = edits_.apex(h), b = edits_.apex(edits_.twin(h));
+  // Not Delaunay where the opposite angles sum to more than pi.
+  if (!(cotangent(at(a), at(u), at(v)) + cotangent(at(b), at(u), at(v)) < -kFlipMargin)) return false;
+  Worst before, after;
+  add_to(before, u, v, a);
+  add_to(before, v, u, b);
+  add_to(after, u, b, a);
+  add_to(after, v, a, b);
+  if (!(after.sharpness < before.sharpness) || !after.faces_well(before) || !edits_.flip(h)) return false;
+  ++counts.flips;
+  return true;
+}
+
+/// Returns whether an edit was made.
+bool RemeshPass::repair_sharp_triangles() {
+  bool repaired = false;
+  const int triangles = edits_.half_edges() / 3;
+  for (int t = 0; t < triangles; ++t) {
+    if (edits_.is_removed(3 * t)) continue;
+    const auto& [a, b, c] = mesh_.triangles[t];
+    if (sharpness(at(a), at(b), at(c)) <= kSharp) continue;
+    int shortest = 3 * t;
+    for (const int h : {3 * t + 1, 3 * t + 2})
+      if ((at(edits_.end(h)) - at(edits_.origin(h))).squaredNorm() <
+          (at(edits_.end(shortest)) - at(edits_.origin(shortest))).squaredNorm())
+        shortest = h;
+    repaired |= collapse_either_way(shortest, true) || replace_a_corner(t);
+  }
+  return repaired;
+}
+
+/// The corner whose triangles gain most.
+bool RemeshPass::replace_a_corner(int triangle) {
+  int best = -1;
+  double best_sharp = 1;
+  Vec3 best_place = Vec3::Zero();
+  for (const int v : mesh_.triangles[triangle]) {
+    double sharp = 1;
+    const std::optional<Vec3> place = better_place(v, sharp);
+    if (!place || !(sharp < best_sharp)) continue;
+    best = v;
+    best_sharp = sharp;
+    best_place = *place;
+  }
+  return best >= 0 && replace(best, best_place);
+}
+
+/// On the way from v to the centroid of its neighbours, in the tangent plane; sharp: of the triangles then.
+std::optional<Vec3> RemeshPass::better_place(int v, double& sharp) const {
+  Vec3 sum = Vec3::Zero();
+  int neighbours = 0;
+  edits_.for_each_out(v, [&](int out) {
+    sum += at(edits_.end(out)) - at(v);
+    ++neighbours;
+  });
+  const Vec3 n = s_.normal_[v], move = sum / neighbours, tangential = move - move.dot(n) * n;
+  const Worst before = fan(v);
+  std::optional<Vec3> best;
+  sharp = before.sharpness - kGain;
+  for (const double share : {1.0, 0.5}) {
+    const Worst after = fan_moved(v, at(v) + share * tangential, n);
+    if (!(after.sharpness < sharp) || !after.faces_well(before)) continue;
+    sharp = after.sharpness;
+    best = at(v) + share * tangential;
+  }
+  return best;
+}
+
+/// Weights of x in the triangle of v that it lies in, seen along the normal of v; of the nearest otherwise.
+VertexBlend RemeshPass::blend_around(int v, const Vec3& x) const {
+  VertexBlend best{{v, v, v}, {1, 0, 0}};
+  double best_least = -1e300;
+  const Vec3 n = s_.normal_[v], d = x - at(v);
+  edits_.for_each_out(v, [&](int out) {
+    const int b = edits_.end(out), c = edits_.apex(out);
+    const Vec3 eb = at(b) - at(v), ec = at(c) - at(v);
+    const double twice_area = n.dot(eb.cross(ec));
+    const double wb = n.dot(d.cross(ec)) / twice_area, wc = n.dot(eb.cross(d)) / twice_area;
+    const double least = std::min({wb, wc, 1 - wb - wc});
+    if (!(twice_area > 0) || !(least > best_least)) return;
+    best_least = least;
+    const double pb = std::max(0.0, wb), pc = std::max(0.0, wc), sum = std::max(1.0, pb + pc);
+    best = {{v, b, c}, {1 - (pb + pc) / sum, pb / sum, pc / sum}};
+  });
+  return best;
+}
+
+bool RemeshPass::replace(int v, const Vec3& x) {
+  const Projected projected = project(field_, x, projection_);
+  if (!projected.converged) return false;
+  const Worst before = fan(v), after = fan_moved(v, projected.position, -projected.gradient.normalized());
+  if (!(after.sharpness <= before.sharpness - kGain) || !after.faces_well(before)) return false;
+  const VertexBlend from = blend_around(v, projected.position);
+  edits_.replace(v, from, projected.position);
+  add_facts(projected, from);
+  ++counts.replaced;
+  return true;
+}
+
+void RemeshPass::finish() {
+  edits_.finish();
+  edits_.keep(facts_.gradient);
+  edits_.keep(facts_.mobility);
+}
+
+RemeshCounts Remesher::remesh(const Field& field, const RemeshOptions& options,
+                              const ProjectionOptions& projection, const VertexRings& rings,
+                              TriangleMesh& mesh, VertexFacts facts) {
+  edits_.start(mesh);
+  RemeshPass pass(field, projection, mesh, facts, *this);
+  pass.set_targets(options, rings);
+  pass.split_long_edges();
+  pass.collapse_short_edges();
+  for (int round = 0; round < kRounds; ++round) {
+    pass.flip_towards_delaunay();
+    if (!pass.repair_sharp_triangles()) break;
+  }
+  pass.finish();
+  return pass.counts;
+}
+
+}  // namespace kappaflow

@@ -1,0 +1,71 @@
+// Keeps the triangles of a tracked mesh in good order while the surface stretches, folds and bends.
+#pragma once
+
+#include <vector>
+
+#include "surface/field/field.h"
+#include "surface/mesh/edge_edits.h"
+#include "surface/tracker/projection.h"
+
+namespace kappaflow {
+
+/// The edge length aimed at is clamp(turn / kappa, finest edge_length, edge_length), kappa the largest normal
+/// curvature of the surface.
+struct RemeshOptions {
+  double edge_length = 0;  ///< where the surface is flat [m]; 0: the mesh keeps its connectivity
+  double turn = 0.5;       ///< angle by which the normal turns along an edge of the length aimed at [rad]
+  double finest = 0.5;     ///< smallest edge length, as a share of edge_length, (0, 1]
+};
+
+/// What one remeshing did.
+struct RemeshCounts {
+  std::size_t splits = 0, collapses = 0, flips = 0;
+  std::size_t replaced = 0;  ///< vertices that a new one at a better place stands for
+  double residual_max = 0;   ///< Projected::residual of the new vertices
+
+  bool any() const { return splits + collapses + flips + replaced > 0; }
+};
+
+/// What is known at every vertex of a mesh beside its attributes; one entry a vertex.
+struct VertexFacts {
+  std::vector<Vec3>& gradient;    ///< grad f at the vertex
+  std::vector<double>& mobility;  ///< see vertex_mobility()
+};
+
+/// Remeshing after Botsch & Kobbelt, "A remeshing approach to multiresolution modeling" (2004), in the form
+/// that keeps a vertex where its material is: edges that are 1.5 times as long as aimed at are split in the
+/// middle and the new vertex put on f = 0; of edges shorter than 0.6 times that, one end goes and the other
+/// stays as it is; edges flip towards Delaunay; and triangles with an angle below 22 degrees (hence all with
+/// one above 136) lose their shortest edge or, where that cannot be, one corner to a new vertex at a better
+/// place. No vertex is moved: those that stay keep id, position and attributes, those that come have new ids
+/// and attributes blended from where they are put.
+///
+/// No edit leaves a triangle that faces against the field's normals at its corners, or that faces less along
+/// them than the worst before and cos 25 degrees. The order of edits depends on lengths and, where these are
+/// equal, on vertex numbers: results do not depend on the threads.
+class Remesher {
+ public:
+  /// rings: of the mesh as it is. Afterwards rings, and arrays over the vertices other than `facts`, are to
+  /// be renewed (see edits()) if RemeshCounts::any().
+  RemeshCounts remesh(const Field& field, const RemeshOptions& options, const ProjectionOptions& projection,
+                      const VertexRings& rings, TriangleMesh& mesh, VertexFacts facts);
+
+  /// What became of the vertices in the last remesh().
+  const EdgeEdits& edits() const { return edits_; }
+
+ private:
+  EdgeEdits edits_;
+  std::vector<double> target_, smoothed_;  // edge length aimed at, at the vertices [m]
+  std::vector<Vec3> normal_;               // outward unit normal of the field
+  struct Candidate {
+    double size;  // length over the length aimed at
+    int u, v;
+  };
+  std::vector<Candidate> candidates_;
+  std::vector<Projected> midpoints_;
+  std::vector<int> pending_;
+
+  friend class RemeshPass;
+};
+
+}  // namespace kappaflow
