@@ -47,7 +47,7 @@ Wide ViscositySolver::pair_viscosity(std::uint8_t fluid, const FluidParticles& p
 
 Vec4f ViscositySolver::apply_to(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists,
                                 const WallSums& walls, float time_step, const std::vector<Vec4f>& u) const {
-  const Vec4f xi = particles.position[i], ui = u[i];
+  const Vec4f &xi = particles.position[i], &ui = u[i];
   Wide sum_x = Wide::Zero(), sum_y = Wide::Zero(), sum_z = Wide::Zero();
   for (const PairBlock& block : lists.of(i)) {
     const WideVec xj = gather(particles.position, block);
