@@ -30,8 +30,8 @@ class CellGrid {
   std::span<const std::uint32_t> order() const { return order_; }
   /// Gives back what only order() and cell_at() need.
   void forget_points() {
-    order_ = {};
-    cell_of_ = {};
+    order_ = std::vector<std::uint32_t>();  // "= {}" would keep the memory
+    cell_of_ = std::vector<std::uint32_t>();
   }
   std::size_t bytes() const { return bytes_of(cell_start_, order_, cell_of_); }
 
