@@ -52,6 +52,13 @@ std::int64_t fastest_id(const FluidParticles& particles) {
   return -fastest.second;
 }
 
+/// Mean of max(rho/rho0 - 1, 0).
+double mean_compression(const FluidParticles& particles) {
+  const std::size_t n = particles.size();
+  const auto compression = [&](std::size_t i) { return std::max(particles.density[i] - 1, 0.0f); };
+  return parallel_sum<double>(n, 0, compression) / static_cast<double>(n);
+}
+
 /// One body for each motion.
 std::vector<WallBody> wall_bodies(std::span<const TriangleSurface> walls, std::span<const BodyMotion> motions,
                                   double spacing) {
@@ -88,6 +95,7 @@ struct FluidSolver::State {
 
   void find_neighbours();
   void sum_walls();
+  void settle();
   double time_step(double time_left) const;
   void check_finite() const;
   void measure(FluidStep& done);
@@ -121,6 +129,7 @@ FluidSolver::FluidSolver(const FluidOptions& options, std::span<const Vec3> posi
   state_->fastest = fastest_speed(state_->particles);
   state_->find_neighbours();
   state_->sum_walls();
+  state_->settle();
 }
 
 FluidSolver::~FluidSolver() = default;
@@ -170,6 +179,24 @@ void FluidSolver::State::sum_walls() {
   walls.add_to(particles, wall_sums);
 }
 
+// Particles that start too close to each other, or to the irregular particles of a wall, are moved apart. The
+// first step would do so too, but with velocities, which would last, and be the larger the shorter the step.
+void FluidSolver::State::settle() {
+  constexpr int kRounds = 20;
+  const float dt = static_cast<float>(options.min_time_step);  // any; too short for velocities to matter
+  for (int round = 0; round < kRounds && mean_compression(particles) > options.density_tolerance; ++round) {
+    std::vector<Vec4f> velocity(particles.size(), Vec4f::Zero());
+    velocity.swap(particles.velocity);
+    pressure.apply_last(particles, neighbours, dt);
+    pressure.correct_density(particles, neighbours, wall_sums, dt);
+    move(particles, dt);
+    velocity.swap(particles.velocity);
+    std::ranges::fill(particles.density_pressure, 0.0f);
+    find_neighbours();
+    sum_walls();
+  }
+}
+
 double FluidSolver::State::time_step(double time_left) const {
   if (!(time_left > 0))
     throw InvalidInput(fmt::format("time left for the step = {} s; must be above 0", time_left));
@@ -195,9 +222,9 @@ void FluidSolver::State::check_finite() const {
 
 void FluidSolver::State::measure(FluidStep& done) {
   const std::size_t n = particles.size();
-  const auto compression = [&](std::size_t i) { return std::max(particles.density[i] - 1, 0.0f); };
-  done.density_error_mean = parallel_sum<double>(n, 0, compression) / static_cast<double>(n);
-  done.density_error_max = static_cast<double>(parallel_max(n, 0.0f, compression));
+  done.density_error_mean = mean_compression(particles);
+  done.density_error_max =
+      static_cast<double>(parallel_max(n, 0.0f, [&](std::size_t i) { return particles.density[i] - 1; }));
   done.fastest = fastest = fastest_speed(particles);
 }
 

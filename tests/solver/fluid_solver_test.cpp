@@ -113,6 +113,47 @@ struct Column {
 // The mean over half a second and over two layers against rho g depth; two, for neighbouring layers may
 // differ by an alternating pressure that moves nothing. Particles next to a wall are left out: their pressure
 // alone carries the contact.
+// A container that is carried off takes its liquid along, and keeps it: none is left behind or driven into a
+// wall.
+TEST(FluidSolver, AMovingContainerTakesItsLiquidAlong) {
+  FluidOptions o = options(0.05);
+  o.kinematic_viscosity = 1;
+  const auto points = block(Vec3::Zero(), {0.3, 0.2, 0.3}, 0.05);
+  const auto walls = test::container(0.3, 0.4, 0.1);
+  BodyMotion motion;
+  motion.keys = {{0, Vec3::Zero(), 0}, {0.2, Vec3(1, 0.5, 0), 2}};
+  motion.axis = Vec3::UnitY();
+  motion.point = Vec3(0.15, 0, 0.15);
+  FluidSolver solver(o, points, uniform(points.size(), Vec3(0, 0, 0)), walls,
+                     std::vector(walls.size(), motion));
+  while (solver.time() < 0.6) solver.step(0.6 - solver.time());
+  const Particles p = solver.particles();
+  const RigidPose pose = motion.pose(0.6);
+  double slip = 0;
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    const Vec3 x = pose.inverse(p.position[i]);
+    EXPECT_GT(std::min({x.x(), x.y(), x.z()}), 0);
+    EXPECT_LT(std::max(x.x(), x.z()), 0.3);
+    slip += (p.velocity[i] - motion.velocity(0.6).at(p.position[i])).squaredNorm();
+  }
+  EXPECT_LT(std::sqrt(slip / static_cast<double>(p.size())), 0.05);
+  EXPECT_THROW(FluidSolver(o, points, points, walls, std::vector{motion}), InvalidInput);
+}
+
+// Particles that start 2 percent too close are moved apart before the first step: they gain no speed by it,
+// however short the steps are. With velocities it would be of the order 0.02 spacing / step, 2 m/s here.
+TEST(FluidSolver, CrowdedParticlesSettleWithoutSpeed) {
+  FluidOptions o = options(0.1);
+  o.gravity.setZero();
+  o.kinematic_viscosity = 0;
+  o.max_time_step = 1e-3;
+  const std::vector<Vec3> start = block(Vec3::Zero(), Vec3::Constant(0.784), 0.098);
+  FluidSolver solver(o, start, uniform(start.size(), Vec3(0, 0, 0)), {});
+  for (int k = 0; k < 20; ++k) EXPECT_LT(solver.step(1).fastest, 0.02);
+  const Particles p = solver.particles();
+  for (std::size_t i = 0; i < start.size(); ++i) EXPECT_LT((p.position[i] - start[i]).norm(), 0.02);
+}
+
 TEST(FluidSolver, HydrostaticPressureGrowsWithDepth) {
   constexpr double kLayers = 0.1, kMargin = 1.5 * Column::kSpacing;
   Column column(0.5);

@@ -203,6 +203,44 @@ TEST_F(QuickExperiment, EnrightExact) {
   EXPECT_LT(remeshed("triangle_to_shape_mean"), 0.001);
 }
 
+// The limits of the validations stand in their sources, with what they follow from; these are the same.
+TEST_F(QuickExperiment, ValidatePoiseuille) {
+  run("validate-poiseuille");
+  EXPECT_LT(value({{"layers", "6"}}, "late_error"), 0.0845);
+  EXPECT_LT(value({{"layers", "8"}}, "late_error"), 0.0581);
+  EXPECT_LT(value({{"layers", "8"}}, "early_error"), 0.05);
+  EXPECT_LT(value({{"layers", "8"}}, "late_error"), value({{"layers", "6"}}, "late_error"));
+}
+
+TEST_F(QuickExperiment, ValidateCouette) {
+  run("validate-couette");
+  EXPECT_LT(value({{"layers", "6"}}, "late_error"), 0.0283);
+  EXPECT_LT(value({{"layers", "8"}}, "late_error"), 0.0213);
+  EXPECT_LT(value({{"layers", "8"}}, "early_error"), 0.05);
+}
+
+TEST_F(QuickExperiment, ValidateHydrostatic) {
+  run("validate-hydrostatic");
+  for (const char* error : {"pressure_error", "slope_error", "fluctuation"})
+    EXPECT_LT(value({{"spacing", "0.05"}}, error), 0.05) << error;
+  EXPECT_LT(value({{"spacing", "0.05"}}, "level_error"), 0.25);
+  EXPECT_LT(value({{"spacing", "0.05"}}, "speed"), 0.01);
+}
+
+TEST_F(QuickExperiment, ValidateDamBreak) {
+  run("validate-dam-break");
+  ASSERT_EQ(rows_.size(), 1u);
+  EXPECT_LT(std::stod(rows_[0].at("speed_error")), 0.1);
+}
+
+TEST_F(QuickExperiment, ValidateGravityCurrent) {
+  run("validate-gravity-current");
+  ASSERT_EQ(rows_.size(), 1u);
+  // Two layers of particles at the centre in the end.
+  EXPECT_NEAR(std::stod(rows_[0].at("exponent")), 0.125, 0.02);
+  EXPECT_LT(std::abs(std::stod(rows_[0].at("coefficient_error"))), 0.05);
+}
+
 class ExperimentCommand : public Scratch {};
 
 TEST_F(ExperimentCommand, MistakesAreOneLine) {

@@ -66,6 +66,27 @@ TEST_F(RunFolderFiles, CollectionsNameFilesThatExist) {
   }
 }
 
+TEST_F(RunFolderFiles, MovingWallsAreASeries) {
+  {
+    RunFolder run(folder / "run", {"total", "curvature"}, false);
+    for (const int frame : {0, 1}) {
+      run.write_boundary(frame, *point());
+      write_frame(run, frame);
+    }
+  }
+  EXPECT_TRUE(fs::exists(folder / "run/boundary/boundary_0001.vtp"));
+  EXPECT_FALSE(fs::exists(folder / "run/boundary.vtp"));
+  for (const char* collection : {"run.pvd", "boundary.pvd"}) {
+    const std::string text = bytes_of(folder / "run" / collection);
+    EXPECT_NE(text.find("boundary/boundary_0000.vtp"), std::string::npos);
+    EXPECT_NE(text.find("boundary/boundary_0001.vtp"), std::string::npos);
+  }
+  file("run/run.json", "{}");
+  RunFolder again(folder / "run", {"total"}, true);
+  EXPECT_FALSE(fs::exists(folder / "run/boundary"));
+  EXPECT_FALSE(fs::exists(folder / "run/boundary.pvd"));
+}
+
 TEST_F(RunFolderFiles, RefusesAUsedFolderUnlessForced) {
   {
     RunFolder run(folder, {"total", "curvature"}, false);

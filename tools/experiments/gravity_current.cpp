@@ -93,7 +93,7 @@ Report validate_gravity_current(const ExperimentContext& context) {
   std::vector<Result> results;
   std::vector<std::vector<double>> rows, fronts;
   Plot plot{"Front of the current", "g V^3 t / (3 nu) [m8]", "r [m]", {}, true, true};
-  for (const double factor : context.options.quick ? std::vector{2.5} : std::vector{1.5, 1.0}) {
+  for (const double factor : context.options.quick ? std::vector{2.0} : std::vector{1.2, 1.0}) {
     const Scene refined = with_spacing(scene, factor * scene.fluid.spacing);
     context.say(fmt::format("spacing {:.3g} m", refined.fluid.spacing));
     results.push_back(run_at(refined));
