@@ -153,7 +153,7 @@ Report validate_hydrostatic(const ExperimentContext& context) {
     const Result& r = results.back();
     plot.curves.push_back({fmt::format("spacing {:.3g} m", r.spacing), r.profile});
     rows.push_back({r.spacing, static_cast<double>(r.particles), r.pressure_error, r.slope_error,
-                    r.level_error, r.speed});
+                    r.fluctuation, r.level_error, r.speed});
     for (const Vec2& p : r.profile) profiles.push_back({r.spacing, p.x(), p.y()});
   }
   draw_plots(context.folder, context.name, std::vector{plot});
