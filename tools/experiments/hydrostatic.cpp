@@ -144,7 +144,7 @@ void judge(const std::vector<Result>& results, Report& report) {
 Report validate_hydrostatic(const ExperimentContext& context) {
   const Scene scene = load_scene(context.file);
   std::vector<Result> results;
-  Plot plot{"Pressure at rest", "height / depth", "p / (rho g depth)", {{"rho g h", {{0, 1}, {1, 0}}}}};
+  Plot plot{"Pressure at rest", "height / depth", "p / (rho g depth)", {{"exact", {{0, 1}, {1, 0}}}}};
   std::vector<std::vector<double>> rows, profiles;
   for (const double factor : context.options.quick ? std::vector{1.0} : std::vector{1.0, 0.5}) {
     const Scene refined = with_spacing(scene, factor * scene.fluid.spacing);
