@@ -13,6 +13,7 @@ namespace {
 
 struct Case {
   double spacing, viscosity, duration;
+  double max_time_step, max_compression;  // of any particle in any step
 };
 
 class Staircase : public testing::TestWithParam<Case> {};
@@ -22,6 +23,7 @@ TEST_P(Staircase, KeepsDensityAndWalls) {
   FluidOptions o;
   o.spacing = c.spacing;
   o.kinematic_viscosity = c.viscosity;
+  o.max_time_step = c.max_time_step;
   const auto walls = test::stairs(4, 0.2, 0.5, 1.6);
   const std::vector<SolidDistance> solids(walls.begin(), walls.end());
   const auto points = test::block({-0.9, 0.8, -0.48}, {-0.1, 1.44, 0.48}, c.spacing);
@@ -29,8 +31,8 @@ TEST_P(Staircase, KeepsDensityAndWalls) {
   double deepest = 0;
   while (solver.time() < c.duration) {
     const FluidStep step = solver.step(c.duration - solver.time());
-    ASSERT_LT(step.density_error_mean, 1e-3) << "at " << solver.time();
-    ASSERT_LT(step.density_error_max, 0.07) << "at " << solver.time();
+    ASSERT_LT(step.density_error_mean, 5e-4) << "at " << solver.time();
+    ASSERT_LT(step.density_error_max, c.max_compression) << "at " << solver.time();
     // Nothing gains more than free fall from where it started gives.
     ASSERT_LT(step.fastest, 1.2 + 9.81 * solver.time() + 0.5) << "at " << solver.time();
     for (const Vec3& x : solver.particles().position)
@@ -42,6 +44,8 @@ TEST_P(Staircase, KeepsDensityAndWalls) {
       << "the liquid never left the landing";
 }
 
+// The density at the end of a step is predicted to first order. What is left where liquid hits an edge is of
+// second order in the step: a handful of particles, and no more of them with a smaller tolerance.
 INSTANTIATE_TEST_SUITE_P(, Staircase, testing::Values(KAPPAFLOW_STAIRCASES));
 
 }  // namespace
