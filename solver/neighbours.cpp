@@ -151,8 +151,10 @@ void NeighbourSearch::find(FluidParticles& particles, NeighbourLists& lists) {
   // Each chunk takes its room in the lists as it comes: where a row lies depends on the threads, what stands
   // in it does not.
   std::size_t needed = 0;
-  while ((needed = fill(particles, lists)) > lists.blocks.size())
-    lists.blocks.resize(needed + needed / kHeadroom);
+  while ((needed = fill(particles, lists)) > lists.blocks.size()) {
+    std::vector<PairBlock>().swap(lists.blocks);  // first: never the old room and the new one at once
+    lists.blocks = std::vector<PairBlock>(needed + needed / kHeadroom);
+  }
 }
 
 std::size_t NeighbourSearch::fill(FluidParticles& particles, NeighbourLists& lists) {

@@ -3,9 +3,11 @@
 #include <benchmark/benchmark.h>
 #include <tbb/global_control.h>
 
+#include <array>
 #include <cmath>
 
 #include "core/parallel.h"
+#include "core/wide.h"
 #include "solver/boundary_sampling.h"
 #include "solver/pressure.h"
 #include "solver/start.h"
@@ -137,8 +139,49 @@ void whole_step(benchmark::State& state) {
   measure(state, [&] { return solver.step(10), 1; });
 }
 
+// What the machine can do at best, to hold the phases against. Arguments: megabytes, threads; 0, threads.
+
+constexpr std::size_t kTaskGrain = 1;
+
+void read_memory(benchmark::State& state) {
+  const std::vector<float> values(count(state) << 18, 1.0f);
+  measure(state, [&] {
+    double sum = parallel_sum<double>(
+        values.size() / 4096, 0,
+        [&](std::size_t chunk) {
+          return static_cast<double>(Eigen::Map<const Eigen::ArrayXf>(&values[4096 * chunk], 4096).sum());
+        },
+        kTaskGrain);
+    benchmark::DoNotOptimize(sum);
+    return 1;
+  });
+  state.SetBytesProcessed(state.iterations() * (state.range(0) << 20));
+}
+
+void multiply_add(benchmark::State& state) {
+  constexpr int kChains = 10, kRounds = 10000, kTasks = 64;  // as many chains as hide the latency
+  measure(state, [&] {
+    double sum = parallel_sum<double>(
+        kTasks, 0,
+        [&](std::size_t task) {
+          std::array<Wide, kChains> x;
+          x.fill(Wide::Constant(static_cast<float>(task)));
+          for (int k = 0; k < kRounds; ++k)
+            for (Wide& chain : x) chain = 0.999f * chain + 0.001f;
+          for (const Wide& chain : x) x[0] += chain;
+          return static_cast<double>(x[0].sum());
+        },
+        kTaskGrain);
+    benchmark::DoNotOptimize(sum);
+    return 1;
+  });
+  state.counters["Flop/s"] =
+      benchmark::Counter(2.0 * 8 * kChains * kRounds * kTasks * static_cast<double>(state.iterations()),
+                         benchmark::Counter::kIsRate);
+}
+
 void sizes_and_threads(benchmark::internal::Benchmark* b) {
-  b->ArgsProduct({{10240, 100000}, {1, 2}})->UseRealTime()->Unit(benchmark::kMillisecond);
+  b->ArgsProduct({{10240, 100000, 1000000}, {1, 2}})->UseRealTime()->Unit(benchmark::kMillisecond);
 }
 
 BENCHMARK(sort_particles)->Apply(sizes_and_threads);
@@ -147,6 +190,8 @@ BENCHMARK(sum_walls)->Apply(sizes_and_threads);
 BENCHMARK(viscosity_iteration)->Apply(sizes_and_threads);
 BENCHMARK(pressure_iteration)->Apply(sizes_and_threads);
 BENCHMARK(whole_step)->Apply(sizes_and_threads);
+BENCHMARK(read_memory)->ArgsProduct({{1, 1024}, {1, 2}})->UseRealTime();
+BENCHMARK(multiply_add)->ArgsProduct({{0}, {1, 2}})->UseRealTime();
 
 }  // namespace
 }  // namespace kappaflow

@@ -7,6 +7,9 @@
 
 #include "surface/field/enright_flow.h"
 #include "surface/field/particle_field.h"
+#include "surface/motion/curvature_invariance.h"
+#include "surface/motion/normal.h"
+#include "surface/motion/total.h"
 
 namespace {
 
@@ -68,6 +71,23 @@ void jet_and_strain_response(benchmark::State& state) {
   run_pointwise(state, [&](const ParticleField& field, const Vec3& x) { return field.jet(x, strain); });
 }
 BENCHMARK(jet_and_strain_response)->Arg(20)->Arg(47);
+
+/// The jet once, and from it the velocities normal, total and curvature (closed form).
+void jet_and_three_velocities(benchmark::State& state) {
+  const VelocityOptions options;
+  run_pointwise(state, [&](const ParticleField& field, const Vec3& x) {
+    const Jet jet = field.jet(x);
+    const TangentBasis basis = tangent_basis(jet.g.normalized());
+    const Vec3 v_n = normal_velocity(jet, options);
+    const TangentialRows<2> total = total_rows(jet, basis, v_n);
+    const TangentialRows<4> all = stacked(total, curvature_rows(jet, basis, v_n));
+    const Vec3 v_t = basis * solve_damped(total, options.damping).y;
+    const Vec3 v_c = basis * solve_damped(all, options.damping).y;
+    return Eigen::Matrix3d{
+        {v_n.x(), v_n.y(), v_n.z()}, {v_t.x(), v_t.y(), v_t.z()}, {v_c.x(), v_c.y(), v_c.z()}};
+  });
+}
+BENCHMARK(jet_and_three_velocities)->Arg(20)->Arg(47);
 
 void value_and_gradient(benchmark::State& state) {
   run_pointwise(state, [](const ParticleField& field, const Vec3& x) { return field.value_and_gradient(x); });
