@@ -1,6 +1,7 @@
 #include "solver/viscosity.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
 #include "core/parallel.h"
@@ -105,6 +106,7 @@ void ViscositySolver::invert_diagonal(const FluidParticles& particles, const Nei
 
 int ViscositySolver::solve(FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,
                            float time_step) {
+  if (std::ranges::all_of(pair_viscosity_, [](float viscosity) { return viscosity == 0; })) return 0;
   const std::size_t n = particles.size();
   auto &residual = particles.scratch[0], &direction = particles.scratch[1], &image = particles.scratch[2];
   residual.resize(n);
