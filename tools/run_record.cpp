@@ -62,7 +62,7 @@ std::string build_description() {
 }
 
 std::string run_record(const RunOptions& options, const Scene& scene, const Simulation& simulation) {
-  const ParticleFieldOptions& field = simulation.field_options();
+  const ParticleFieldOptions& field = simulation.surfaces().field_options();
   Json::Value record;
   record["version"] = kVersion;
   record["build"] = build_description();
