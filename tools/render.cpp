@@ -1,6 +1,8 @@
 #include "tools/render.h"
 
 #include <fmt/format.h>
+#include <vtkDataArray.h>
+#include <vtkFieldData.h>
 #include <vtk_jsoncpp.h>
 
 #include <algorithm>
@@ -18,13 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What run.json says about the run, as far as pictures need it.
-struct RunFacts {
-  std::vector<std::string> methods;
-  double frames_per_second = 0, duration = 0;
-};
-
-RunFacts read_run_facts(const fs::path& folder) {
+/// The methods that run.json names.
+std::vector<std::string> methods_of_run(const fs::path& folder) {
   const fs::path file = folder / kRecordFile;
   const std::string text = read_file(file);
   Json::Value record;
@@ -33,17 +30,16 @@ RunFacts read_run_facts(const fs::path& folder) {
   if (!reader->parse(text.data(), text.data() + text.size(), &record, &errors) ||
       !record["methods"].isArray())
     throw IoError(file.string(), "is not the record of a run");
-  RunFacts facts;
-  for (const Json::Value& method : record["methods"]) facts.methods.push_back(method.asString());
-  facts.frames_per_second = record["frames_per_second"].asDouble();
-  facts.duration = record["duration"].asDouble();
-  return facts;
+  std::vector<std::string> methods;
+  for (const Json::Value& method : record["methods"]) methods.push_back(method.asString());
+  return methods;
 }
 
-std::vector<std::string> chosen_methods(const RenderOptions& options, const RunFacts& facts) {
-  if (options.methods.empty()) return facts.methods;
+std::vector<std::string> chosen_methods(const RenderOptions& options) {
+  const std::vector<std::string> tracked = methods_of_run(options.folder);
+  if (options.methods.empty()) return tracked;
   for (const std::string& method : options.methods)
-    if (std::ranges::find(facts.methods, method) == facts.methods.end())
+    if (std::ranges::find(tracked, method) == tracked.end())
       throw InvalidInput(
           fmt::format("{} has no surface tracked with \"{}\"", options.folder.string(), method));
   return options.methods;
@@ -63,18 +59,22 @@ int chosen_frame(const RenderOptions& options, const std::vector<std::string>& m
                                                frames - 1, options.frame));
 }
 
+double time_of(vtkPolyData& surface) {
+  vtkDataArray* const time = surface.GetFieldData()->GetArray("TimeValue");
+  return time != nullptr ? time->GetTuple1(0) : 0;
+}
+
 }  // namespace
 
 void render(const RenderOptions& options) {
-  const RunFacts facts = read_run_facts(options.folder);
-  const std::vector<std::string> methods = chosen_methods(options, facts);
+  const std::vector<std::string> methods = chosen_methods(options);
   const int frame = chosen_frame(options, methods);
-  const double time = std::min(frame / facts.frames_per_second, facts.duration);
   std::vector<Panel> panels;
   panels.reserve(methods.size());
-  for (const std::string& method : methods)
-    panels.push_back({fmt::format("{},  t = {:.2f} s", method, time),
-                      read_vtp(options.folder / surface_file(method, frame))});
+  for (const std::string& method : methods) {
+    const auto surface = read_vtp(options.folder / surface_file(method, frame));
+    panels.push_back({fmt::format("{},  t = {:.2f} s", method, time_of(*surface)), surface});
+  }
   const fs::path moving = options.folder / boundary_file(frame);
   const fs::path boundary = fs::exists(moving) ? moving : options.folder / kBoundaryFile;
   const auto walls = fs::exists(boundary) ? read_vtp(boundary) : nullptr;

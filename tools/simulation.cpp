@@ -28,7 +28,7 @@ TrackedSurfaces make_surfaces(const Scene& scene, const Particles& particles) {
   const std::vector<Vec3> liquid =
       scene.fluid.emitters.empty() ? particles.position : mostly_interior_lattice(scene);
   const ParticleFieldOptions options = field_options(scene.surface, scene.fluid.spacing, liquid);
-  return {particles, options, scene.surface, scene.file.string()};
+  return {particle_field(particles, options), options, scene.surface, scene.file.string()};
 }
 
 }  // namespace

@@ -44,10 +44,10 @@ ParticleFieldOptions field_options(const SurfaceDescription& description, double
   return options;
 }
 
-TrackedSurfaces::TrackedSurfaces(const Particles& particles, const ParticleFieldOptions& options,
+TrackedSurfaces::TrackedSurfaces(std::shared_ptr<const Field> field, const ParticleFieldOptions& options,
                                  const SurfaceDescription& description, const std::string& source)
     : options_(options),
-      field_(particle_field(particles, options)),
+      field_(std::move(field)),
       trackers_(make_trackers(*field_, options.sigma, description, source)),
       tracers_(trackers_.front().mesh().position) {
   take_since_frame();

@@ -29,9 +29,9 @@ ParticleFieldOptions field_options(const SurfaceDescription& description, double
 /// methods are the methods' own.
 class TrackedSurfaces {
  public:
-  /// Meshes the surface of `particles`. source: what the particles come from, for errors. Throws InvalidInput
-  /// when the surface is empty.
-  TrackedSurfaces(const Particles& particles, const ParticleFieldOptions& options,
+  /// Meshes the surface of a field that was made with `options`. source: what its particles come from, for
+  /// errors. Throws InvalidInput when the surface is empty.
+  TrackedSurfaces(std::shared_ptr<const Field> field, const ParticleFieldOptions& options,
                   const SurfaceDescription& description, const std::string& source);
 
   void step(FieldMotion& motion);
