@@ -15,6 +15,7 @@
 #include <array>
 #include <cmath>
 #include <initializer_list>
+#include <sstream>
 #include <string_view>
 
 #include "core/errors.h"
@@ -62,9 +63,35 @@ vtkSmartPointer<vtkPointSet> read_by(Reader& reader, const fs::path& file) {
   return data;
 }
 
+/// Throws IoError where the last section of cells ends before it is complete: VTK 9.1 reads past the end of
+/// such polydata.
+void check_cells(const fs::path& file) {
+  const std::string text = read_file(file);
+  std::size_t section = 0;
+  for (const char* keyword : {"\nVERTICES ", "\nLINES ", "\nPOLYGONS ", "\nTRIANGLE_STRIPS "})
+    if (const std::size_t found = text.rfind(keyword); found != std::string::npos)
+      section = std::max(section, found + 1);
+  if (section == 0 || text.find("\nPOINT_DATA", section) != std::string::npos) return;
+  std::istringstream stream(text.substr(section));
+  std::string keyword, next;
+  std::size_t cells = 0, numbers = 0;
+  stream >> keyword >> cells >> numbers;
+  std::size_t needed = numbers, present = 0;
+  if (text.find("\nBINARY") < section) {
+    const bool long_numbers = text.find("OFFSETS vtktypeint64", section) != std::string::npos;  // format 5.1
+    needed = long_numbers ? 8 * (cells + numbers) : 4 * numbers;
+    present = text.size() - std::min(text.size(), text.find('\n', section));
+  } else {
+    while (stream >> next) ++present;
+  }
+  if (numbers == 0 || present < needed)  // a section without numbers is one whose header was cut
+    throw IoError(file.string(), fmt::format("is damaged or not complete (its {} end early)", keyword));
+}
+
 vtkSmartPointer<vtkPointSet> read_points(const fs::path& file, const std::string& kind) {
   if (kind == ".vtp") return read_by(*vtkSmartPointer<vtkXMLPolyDataReader>::New(), file);
   if (kind == ".vtu") return read_by(*vtkSmartPointer<vtkXMLUnstructuredGridReader>::New(), file);
+  check_cells(file);
   const auto reader = vtkSmartPointer<vtkDataSetReader>::New();
   reader->ReadAllScalarsOn();
   reader->ReadAllVectorsOn();

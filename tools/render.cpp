@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <vtkDataArray.h>
 #include <vtkFieldData.h>
+#include <vtkPoints.h>
 #include <vtk_jsoncpp.h>
 
 #include <algorithm>
@@ -50,13 +51,27 @@ bool has_frame(const fs::path& folder, const std::vector<std::string>& methods, 
                              [&](const auto& m) { return fs::exists(folder / surface_file(m, frame)); });
 }
 
-int chosen_frame(const RenderOptions& options, const std::vector<std::string>& methods) {
+int frame_count(const fs::path& folder, const std::vector<std::string>& methods) {
   int frames = 0;
-  while (has_frame(options.folder, methods, frames)) ++frames;
+  while (has_frame(folder, methods, frames)) ++frames;
+  return frames;
+}
+
+int chosen_frame(const RenderOptions& options, const std::vector<std::string>& methods) {
+  const int frames = frame_count(options.folder, methods);
   if (options.frame < frames && frames > 0) return options.frame >= 0 ? options.frame : frames - 1;
   throw InvalidInput(frames == 0 ? fmt::format("{} has no frames yet", options.folder.string())
                                  : fmt::format("{} has frames 0 to {}, not {}", options.folder.string(),
                                                frames - 1, options.frame));
+}
+
+/// The points of the first method's surface in the first and the last frame.
+vtkSmartPointer<vtkPolyData> both_ends(const fs::path& folder, const std::vector<std::string>& methods) {
+  const auto first = read_vtp(folder / surface_file(methods.front(), 0)),
+             last = read_vtp(folder / surface_file(methods.front(), frame_count(folder, methods) - 1));
+  const vtkIdType offset = first->GetNumberOfPoints();
+  first->GetPoints()->InsertPoints(offset, last->GetNumberOfPoints(), 0, last->GetPoints());
+  return first;
 }
 
 double time_of(vtkPolyData& surface) {
@@ -78,9 +93,9 @@ void render(const RenderOptions& options) {
   const fs::path moving = options.folder / boundary_file(frame);
   const fs::path boundary = fs::exists(moving) ? moving : options.folder / kBoundaryFile;
   const auto walls = fs::exists(boundary) ? read_vtp(boundary) : nullptr;
-  // What fills the picture: the walls, or without walls the first surface at the start; the same in every
-  // frame of a run.
-  const auto subject = walls ? walls : read_vtp(options.folder / surface_file(methods.front(), 0));
+  // What fills the picture: the walls, or without walls the first surface at both ends of its way; the same
+  // in every frame of a run.
+  const auto subject = walls ? walls : both_ends(options.folder, methods);
   draw_picture(options.picture, panels, walls, subject, {.columns = options.columns});
 }
 

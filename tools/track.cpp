@@ -23,6 +23,7 @@ namespace fs = std::filesystem;
 
 constexpr double kMotionPerStep = 0.2;    // of the fast particles, in sigma
 constexpr double kShareOfFast = 0.999;    // a few that fly off do not set the number of steps
+constexpr double kCheckerSize = 2;        // in sigma
 constexpr double kMeasuredShare = 0.95;   // of the vertices, see surface_motion()
 constexpr double kMeasuredSpacing = 0.5;  // of the surfaces there, in sigma
 
@@ -153,7 +154,8 @@ RunSummary track_sequence(const TrackOptions& options, ParticleSequence& sequenc
 
   RunFolder folder(folder_for(options, sequence), setup.surface.methods, options.force);
   folder.write_record(track_record(options, sequence, setup.surface, setup.field));
-  const OutputDescription output;
+  OutputDescription output;
+  output.checker_size = kCheckerSize;
   FrameWriter writer(output, surfaces, options.formats, folder);
   RunSummary summary;
   write_frame(writer, 0, now, surfaces, summary);

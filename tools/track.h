@@ -30,7 +30,7 @@ struct TrackOptions {
 
 /// The furthest that a point cloud's surface may move from one frame to the next, in sigma: beyond it the
 /// mean of two frames' fields no longer stands for the field between them (docs/track.md has measurements).
-inline constexpr double kLargestCloudMotion = 0.25;
+inline constexpr double kLargestCloudMotion = 0.1;
 
 /// How far, in units of sigma, a point cloud's surface moves between two of its fields: the distance to the
 /// first surface that 95 % of the second surface's vertices keep within. What moves along the surface does

@@ -27,16 +27,22 @@ class VtkMessages::Window final : public vtkOutputWindow {
     text = text.substr(0, end + 1);
     if (const auto line = text.rfind('\n'); line != std::string_view::npos) text.remove_prefix(line + 1);
     if (const auto place = text.find("): "); place != std::string_view::npos) text.remove_prefix(place + 3);
+    if (const auto file = text.find(" for file: "); file != std::string_view::npos)
+      text = text.substr(0, file);
     first_error = text;
   }
 };
 
 VtkMessages::VtkMessages()
-    : previous_(vtkOutputWindow::GetInstance()), window_(vtkSmartPointer<Window>::New()) {
+    : previous_(vtkOutputWindow::GetInstance()),
+      window_(vtkSmartPointer<Window>::New()),
+      previous_verbosity_(vtkLogger::GetCurrentVerbosityCutoff()) {
   vtkOutputWindow::SetInstance(window_);
+  vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
 }
 
 VtkMessages::~VtkMessages() {
+  vtkLogger::SetStderrVerbosity(previous_verbosity_);
   vtkOutputWindow::SetInstance(previous_);
 }
 

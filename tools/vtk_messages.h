@@ -1,6 +1,7 @@
 // What VTK complains about, caught instead of printed.
 #pragma once
 
+#include <vtkLogger.h>
 #include <vtkOutputWindow.h>
 #include <vtkSmartPointer.h>
 
@@ -23,6 +24,7 @@ class VtkMessages {
   vtkSmartPointer<vtkOutputWindow> previous_;
   class Window;
   vtkSmartPointer<Window> window_;
+  vtkLogger::Verbosity previous_verbosity_;
 };
 
 }  // namespace kappaflow
