@@ -1,11 +1,13 @@
 // Whole sequences tracked, against motions that are known.
 #include "tools/track.h"
 
+#include <vtkCell.h>
 #include <vtkDataArray.h>
 #include <vtkPointData.h>
 
 #include <algorithm>
-#include <set>
+#include <limits>
+#include <map>
 
 #include "core/errors.h"
 #include "scenes/mesh_file.h"
@@ -46,12 +48,16 @@ class Track : public Scratch {
   vtkSmartPointer<vtkPolyData> surface(const std::string& method, int frame) const {
     return read_vtp(folder / "out" / fmt::format("surface-{}/surface_{:04}.vtp", method, frame));
   }
-  /// The largest distance of a vertex from where the motion takes its rest position, in sigma.
+  /// The largest distance of a vertex from where the motion takes its rest position, in sigma. Vertices that
+  /// edits of the mesh made have a blend for rest position, and no vote.
   double largest_error(const std::string& method, const SteadyMotion& motion, double time) const {
-    const auto mesh = surface(method, static_cast<int>(kFrames - 1));
+    const auto mesh = surface(method, kFrames - 1);
+    const auto first_vertices = static_cast<double>(surface(method, 0)->GetNumberOfPoints());
     vtkDataArray& rest = *mesh->GetPointData()->GetArray("rest_position");
+    vtkDataArray& id = *mesh->GetPointData()->GetArray("id");
     double largest = 0;
     for (vtkIdType v = 0; v < mesh->GetNumberOfPoints(); ++v) {
+      if (id.GetTuple1(v) >= first_vertices) continue;
       const Vec3 expected = motion.position(Vec3(rest.GetTuple3(v)), time);
       largest = std::max(largest, (Vec3(mesh->GetPoint(v)) - expected).norm());
     }
@@ -59,9 +65,8 @@ class Track : public Scratch {
   }
 };
 
-/// The largest error, in sigma, of the same tracker in the exact motion, in as many steps as the sequence
-/// took.
-double direct_error(const std::string& method, int steps) {
+/// The same tracker in the exact motion, in as many steps as the sequence takes.
+TriangleMesh directly_tracked(const std::string& method) {
   const Particles body = moved_block({}, 0);
   const std::size_t n = body.size();
   const FieldParticles at_rest{.position = body.position,
@@ -69,23 +74,36 @@ double direct_error(const std::string& method, int steps) {
                                .sigma = std::vector<double>(n, kSigma),
                                .weight = std::vector<double>(n, 1.0),
                                .weight_rate = std::vector<double>(n, 0.0)};
-  const double end = 0.1 * (kFrames - 1), dt = end / steps;
+  constexpr int kSteps = 3 * (kFrames - 1);
+  const double dt = 0.1 * (kFrames - 1) / kSteps;
   const SurfaceDescription description;
   TrackerOptions options = description.tracker;
   options.method = method;
   options.remeshing.edge_length = description.edge_length * kSigma;
   RigidParticles start(at_rest, kThreshold, kBodyMotion, 0, dt);
   SurfaceTracker tracker(initial_mesh(*start.at(0), description.edge_length * kSigma, {}), options);
-  for (int s = 0; s < steps; ++s) {
+  for (int s = 0; s < kSteps; ++s) {
     RigidParticles motion(at_rest, kThreshold, kBodyMotion, s * dt, (s + 1) * dt);
     tracker.step(motion);
   }
+  return tracker.mesh();
+}
+
+/// The largest distance between vertices with the same id, in sigma; infinite where fewer than 95 % of the
+/// vertices have a partner.
+double largest_difference(vtkPolyData& surface, const TriangleMesh& mesh) {
+  vtkDataArray& id = *surface.GetPointData()->GetArray("id");
+  std::size_t partners = 0;
   double largest = 0;
-  for (std::size_t v = 0; v < tracker.mesh().vertex_count(); ++v)
-    largest = std::max(
-        largest,
-        (tracker.mesh().position[v] - kBodyMotion.position(tracker.mesh().rest_position[v], end)).norm());
-  return largest / kSigma;
+  for (vtkIdType v = 0; v < surface.GetNumberOfPoints(); ++v) {
+    const auto wanted = static_cast<std::int64_t>(id.GetTuple1(v));
+    const auto found = std::ranges::lower_bound(mesh.id, wanted);
+    if (found == mesh.id.end() || *found != wanted) continue;
+    ++partners;
+    largest = std::max(largest, (Vec3(surface.GetPoint(v)) - mesh.position[found - mesh.id.begin()]).norm());
+  }
+  const bool enough = static_cast<double>(partners) >= 0.95 * static_cast<double>(mesh.vertex_count());
+  return enough ? largest / kSigma : std::numeric_limits<double>::infinity();
 }
 
 TEST_F(Track, EveryFormatGivesTheMotionOfTheBody) {
@@ -106,15 +124,15 @@ TEST_F(Track, EveryFormatGivesTheMotionOfTheBody) {
                  [](const Particles& p, int k) { return csv_text(permuted(p, k), true, true); });
   write_sequence("est.csv", kBodyMotion, 0.1,
                  [](const Particles& p, int k) { return csv_text(permuted(p, k), true, false); });
-  const double direct = std::max(direct_error("material", 10), direct_error("regional", 10));
-  EXPECT_LT(direct, 0.02);
-  for (const char* ending : {"vtp", "vtk", "dual.vtk", "vtu", "csv", "est.csv"}) {
+  const std::map<std::string, TriangleMesh> direct{{"material", directly_tracked("material")},
+                                                   {"regional", directly_tracked("regional")}};
+  for (const std::string ending : {"vtp", "vtk", "dual.vtk", "vtu", "csv", "est.csv"}) {
     ASSERT_EQ(track(options(fmt::format("p_*[0-9].{}", ending), {"material", "regional"})), 0) << ending;
-    for (const char* method : {"material", "regional"}) {
-      const double error = largest_error(method, kBodyMotion, 0.1 * (kFrames - 1));
-      // Velocities by differences of positions bend the paths between frames a little.
-      EXPECT_LT(error, direct + (ending == std::string("est.csv") ? 0.05 : 1e-3)) << ending << " " << method;
-      RecordProperty(fmt::format("{}_{}", ending, method), fmt::format("{}", error));
+    const bool estimated = ending == "est.csv";  // differences of positions bend the paths a little
+    for (const auto& [method, mesh] : direct) {
+      const auto last = surface(method, kFrames - 1);
+      EXPECT_LT(largest_difference(*last, mesh), estimated ? 0.02 : 2e-3) << ending << " " << method;
+      EXPECT_LT(largest_error(method, kBodyMotion, 0.1 * (kFrames - 1)), 0.03) << ending << " " << method;
     }
   }
 }
@@ -222,12 +240,14 @@ TEST_F(Track, SPlisHSPlasHFramesEndToEnd) {
                         ply = read_closed_mesh(stem.string() + ".ply", {"test"});
   ASSERT_EQ(obj.vertices.size(), n);
   ASSERT_EQ(ply.vertices.size(), n);
-  EXPECT_EQ(obj.triangles.size(), static_cast<std::size_t>(mesh->GetNumberOfPolys()));
-  EXPECT_EQ(obj.triangles, ply.triangles);
-  for (std::size_t v = 0; v < n; ++v) {
-    EXPECT_LT((obj.vertices[v] - Vec3(mesh->GetPoint(static_cast<vtkIdType>(v)))).norm(), 1e-7);
-    EXPECT_LT((ply.vertices[v] - Vec3(mesh->GetPoint(static_cast<vtkIdType>(v)))).norm(), 1e-6);
-  }
+  ASSERT_EQ(obj.triangles.size(), static_cast<std::size_t>(mesh->GetNumberOfPolys()));
+  ASSERT_EQ(ply.triangles.size(), obj.triangles.size());
+  for (std::size_t t = 0; t < obj.triangles.size(); ++t)
+    for (int c = 0; c < 3; ++c) {  // the reader numbers vertices in its own way
+      const Vec3 corner(mesh->GetPoint(mesh->GetCell(static_cast<vtkIdType>(t))->GetPointId(c)));
+      EXPECT_LT((obj.vertices[obj.triangles[t][c]] - corner).norm(), 1e-7);
+      EXPECT_LT((ply.vertices[ply.triangles[t][c]] - corner).norm(), 1e-6);
+    }
   const std::string text = bytes_of(stem.string() + ".obj");
   std::size_t texture = 0;
   for (const std::string& line : split(text, '\n')) texture += line.starts_with("vt ");
