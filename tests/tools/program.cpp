@@ -25,8 +25,8 @@ namespace fs = std::filesystem;
   }
   dup2(open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDOUT_FILENO);
   dup2(open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDERR_FILENO);
-  words.insert(words.begin(), KAPPAFLOW_PROGRAM);
-  std::vector<char*> arguments;
+  std::string program = KAPPAFLOW_PROGRAM;
+  std::vector<char*> arguments{program.data()};
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   execv(KAPPAFLOW_PROGRAM, arguments.data());
