@@ -89,8 +89,8 @@ vtkSmartPointer<vtkPolyData> particle_data(const ParticleFrame& frame) {
   vtkPointData& arrays = *data->GetPointData();
   arrays.AddArray(make_array<vtkTypeInt64Array>("id", 1, particles.id));
   arrays.AddArray(make_array("velocity", 3, particles.velocity));
-  arrays.AddArray(make_array("density", 1, frame.density));
-  arrays.AddArray(make_array("pressure", 1, frame.pressure));
+  if (!frame.density.empty()) arrays.AddArray(make_array("density", 1, frame.density));
+  if (!frame.pressure.empty()) arrays.AddArray(make_array("pressure", 1, frame.pressure));
   arrays.AddArray(make_array<vtkDoubleArray>("weight", 1, frame.weight));
   arrays.AddArray(
       make_array<vtkDoubleArray>("sigma", 1, particles.size(), [&](std::size_t) { return frame.sigma; }));

@@ -15,11 +15,11 @@
 
 namespace kappaflow {
 
-/// What one particle file holds; one entry a particle in every array.
+/// What one particle file holds; one entry a particle in every array, or none where a span is empty.
 struct ParticleFrame {
   const Particles& particles;
-  std::span<const float> density;   ///< [kg/m3]
-  std::span<const float> pressure;  ///< [Pa]
+  std::span<const float> density;   ///< [kg/m3]; may be empty
+  std::span<const float> pressure;  ///< [Pa]; may be empty
   std::span<const double> weight;   ///< w_i of Eq. 12
   double sigma;                     ///< support radius of Eq. 12 [m]
 };

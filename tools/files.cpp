@@ -58,12 +58,16 @@ void append_lines(const fs::path& path, std::string_view lines) {
 }
 
 std::string read_file(const fs::path& path) {
-  errno = 0;
-  std::ifstream stream(path, std::ios::binary);
+  check_readable(path);
   std::ostringstream text;
-  if (stream && !fs::is_directory(path)) text << stream.rdbuf();
-  if (!stream || fs::is_directory(path)) fail(path, "cannot be read", errno != 0 ? errno : EISDIR);
+  text << std::ifstream(path, std::ios::binary).rdbuf();
   return text.str();
+}
+
+void check_readable(const fs::path& path) {
+  errno = 0;
+  const std::ifstream stream(path, std::ios::binary);
+  if (!stream || fs::is_directory(path)) fail(path, "cannot be read", errno != 0 ? errno : EISDIR);
 }
 
 void make_folder(const fs::path& path) {

@@ -18,6 +18,9 @@ void append_lines(const std::filesystem::path& path, std::string_view lines);
 /// Throws IoError.
 std::string read_file(const std::filesystem::path& path);
 
+/// Throws IoError where the file cannot be opened.
+void check_readable(const std::filesystem::path& path);
+
 /// Makes the folder and those above it. Throws IoError.
 void make_folder(const std::filesystem::path& path);
 

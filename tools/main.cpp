@@ -21,6 +21,7 @@
 #include "tools/render.h"
 #include "tools/run.h"
 #include "tools/run_record.h"
+#include "tools/track.h"
 #include "tools/virtual_display.h"
 
 namespace {
@@ -97,6 +98,7 @@ void reject_repeated(const std::string& option, const std::vector<std::string>& 
 struct CommandLine {
   RunOptions run;
   double duration = 0;
+  TrackOptions track;
   std::filesystem::path check_scene;
   BenchmarkOptions benchmark;
   ProbeOptions probe;
@@ -135,6 +137,21 @@ void add_minimiser(CLI::App& command, const std::string& fallback, const Set& se
       ->check(one_of(minimiser_names()));
 }
 
+/// Mesh files beside VTK's, which are always written.
+void add_formats(CLI::App& command, std::vector<MeshFormat>& formats) {
+  const auto set = [&formats](const std::vector<std::string>& names) {
+    for (const Named<MeshFormat>& format : kMeshFormats)
+      if (std::ranges::find(names, format.name) != names.end()) formats.push_back(format.value);
+  };
+  command
+      .add_option_function<std::vector<std::string>>(
+          "--format", set, "Surface files: vtk (always written), obj, ply (default: vtk)")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->type_name("NAMES")
+      ->check(one_of({"vtk", "obj", "ply"}));
+}
+
 CLI::App* add_run(CLI::App& app, CommandLine& line) {
   CLI::App* run = app.add_subcommand("run", "Simulate a scene and track its surface");
   run->add_option("SCENE", line.run.scene, "Scene file (.toml)")->required();
@@ -143,12 +160,56 @@ CLI::App* add_run(CLI::App& app, CommandLine& line) {
   run->add_option("--duration", line.duration, "Simulated time in seconds (default: the scene's)")
       ->check(number_in("a number of seconds above 0", [](double value) { return value > 0; }));
   add_minimiser(*run, "the scene's", [&line](Minimiser minimiser) { line.run.minimiser = minimiser; });
+  add_formats(*run, line.run.formats);
   add_threads(*run, line);
   run->add_flag("--force", line.run.force, "Replace the run that the folder already holds");
   run->add_flag("--quiet", line.run.quiet, "Print errors only");
   run->footer(method_lines() + "\n" +
               footer("kappaflow run scenes/staircase.toml --track total,curvature --threads 4"));
   return run;
+}
+
+/// Calls set(value) where the option is given a number above 0.
+void add_positive(CLI::App& command, const std::string& name, std::optional<double>& value,
+                  const std::string& text) {
+  command
+      .add_option_function<double>(
+          name, [&value](double number) { value = number; }, text)
+      ->type_name("NUMBER")
+      ->check(number_in("a number above 0", [](double number) { return number > 0; }));
+}
+
+CLI::App* add_track(CLI::App& app, CommandLine& line) {
+  CLI::App* track = app.add_subcommand("track", "Track the surface of particles that another program wrote");
+  track
+      ->add_option("FILES", line.track.inputs,
+                   "Particles, a file a frame (.vtk, .vtp, .vtu, .csv): names or a pattern in quotes")
+      ->required();
+  track->add_option("--out", line.track.folder, "Folder for the results (default: out/<name of the files>)");
+  add_methods(*track, "--velocity", line.track.methods,
+              "Velocity methods (default: material; regional where neither velocities nor ids are known)");
+  add_positive(*track, "--fps", line.track.frames_per_second,
+               "Frames a second, where the files hold no times");
+  add_positive(*track, "--sigma", line.track.sigma,
+               "Radius of a particle's field in metres (default: 2 particle spacings)");
+  add_positive(*track, "--threshold", line.track.threshold,
+               "Value of the field at its surface (default: half its median at the particles)");
+  track
+      ->add_option_function<std::string>(
+          "--weights",
+          [&line](const std::string& name) {
+            line.track.weights = name == "uniform" ? WeightRule::uniform : WeightRule::normalised;
+          },
+          "Weights of the particles: uniform, or normalised, which keeps lone drops (default: uniform)")
+      ->type_name("NAME")
+      ->check(one_of({"uniform", "normalised"}));
+  add_formats(*track, line.track.formats);
+  add_threads(*track, line);
+  track->add_flag("--force", line.track.force, "Replace the run that the folder already holds");
+  track->add_flag("--quiet", line.track.quiet, "Print errors only");
+  track->footer(method_lines() + "\n" +
+                footer("kappaflow track 'frames/*.vtk' --velocity regional --fps 25 --out out/tracked"));
+  return track;
 }
 
 CLI::App* add_check(CLI::App& app, CommandLine& line) {
@@ -262,6 +323,11 @@ int execute(const CLI::App& app, CommandLine& line, char** argv) {
     if (line.duration > 0) line.run.duration = line.duration;
     return run(line.run);
   }
+  if (app.got_subcommand("track")) {
+    reject_repeated("--velocity", line.track.methods);
+    line.track.threads = line.threads;
+    return track(line.track);
+  }
   if (app.got_subcommand("check")) fmt::print("{}", check_text(load_scene(line.check_scene), line.threads));
   if (app.got_subcommand("benchmark")) {
     if (line.benchmark.threads.empty()) line.benchmark.threads = {line.threads};
@@ -283,13 +349,14 @@ int execute(const CLI::App& app, CommandLine& line, char** argv) {
 int parse_and_execute(int argc, char** argv) {
   CommandLine line;
   line.run.command.assign(argv, argv + argc);
+  line.track.command = line.run.command;
   CLI::App app("kappaflow: viscous SPH liquids with a tracked, textured surface", "kappaflow");
   app.set_version_flag("--version", fmt::format("kappaflow {}\n{}", kVersion, build_description()));
   app.footer(footer("kappaflow run scenes/staircase.toml"));
   app.require_subcommand(1);
-  const std::vector<CLI::App*> commands{add_run(app, line),       add_check(app, line),
-                                        add_benchmark(app, line), add_probe(app, line),
-                                        add_render(app, line),    add_experiment(app, line)};
+  const std::vector<CLI::App*> commands{add_run(app, line),       add_track(app, line), add_check(app, line),
+                                        add_benchmark(app, line), add_probe(app, line), add_render(app, line),
+                                        add_experiment(app, line)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help_or_version) {

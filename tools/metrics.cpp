@@ -101,8 +101,9 @@ std::string metrics_header() {
 }
 
 std::string metrics_row(const FrameMetrics& f, const std::string& method, const SurfaceMetrics& s) {
-  return fmt::format("{},{:.12g},{},{},{:.12g},{:.12g},{:.12g},", f.frame, f.time, method, f.particles,
-                     f.penetration_max, f.density_error_mean, f.density_error_max) +
+  return fmt::format("{},{:.12g},{},{},{},{},{},", f.frame, f.time, method, f.particles,
+                     optional_number(f.penetration_max), optional_number(f.density_error_mean),
+                     optional_number(f.density_error_max)) +
          fmt::format("{},{},{:.12g},{:.12g},{:.12g},{:.12g},{:.12g},{:.12g},", s.vertices, s.triangles,
                      s.residual_max, s.quality.min, s.quality.mean, s.size.area, s.size.volume,
                      f.isosurface_volume) +

@@ -20,12 +20,12 @@ struct FrameMetrics {
   int frame = 0;
   double time = 0;  ///< [s]
   std::size_t particles = 0;
-  double penetration_max = 0;     ///< deepest particle centre inside a solid, in particle spacings; >= 0
-  double density_error_mean = 0;  ///< largest mean compression of a step since the last frame [1]
-  double density_error_max = 0;   ///< largest compression of a particle since then [1]
-  double isosurface_volume = 0;   ///< of a fresh extraction at 0.25 sigma [m3]
-  MeshTopology isosurface;        ///< of the same
-  TriangleMesh isosurface_mesh;   ///< the same, its vertices projected on the surface
+  std::optional<double> penetration_max;     ///< deepest particle centre inside a solid, in spacings; >= 0
+  std::optional<double> density_error_mean;  ///< largest mean compression of a step since the last frame [1]
+  std::optional<double> density_error_max;   ///< largest compression of a particle since then [1]
+  double isosurface_volume = 0;              ///< of a fresh extraction at 0.25 sigma [m3]
+  MeshTopology isosurface;                   ///< of the same
+  TriangleMesh isosurface_mesh;              ///< the same, its vertices projected on the surface
 };
 
 /// Numbers of one tracked surface.

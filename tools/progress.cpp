@@ -35,30 +35,29 @@ void draw_status_line(const std::string& text) {
   std::fflush(stderr);
 }
 
-std::string progress_line(double time, double duration, int frame, int frames, std::size_t steps,
-                          double elapsed, const FluidStep& step) {
-  const double done = std::clamp(time / duration, 0.0, 1.0);
+std::string progress_line(double done, double time, int frame, int frames, std::size_t steps, double elapsed,
+                          const std::string& detail) {
   const auto filled = static_cast<std::size_t>(std::lround(done * kBarWidth));
   const std::string bar = std::string(filled, '#') + std::string(kBarWidth - filled, '-');
   const std::string left = done > 0 ? clock_time(elapsed * (1 - done) / done) : "?";
-  return fmt::format("[{}] {:.3f} s  frame {}/{}  {:.1f} steps/s  pressure {}, viscosity {}  {} left", bar,
-                     time, frame, frames, static_cast<double>(steps) / std::max(elapsed, 1e-9),
-                     step.density_iterations + step.divergence_iterations, step.viscosity_iterations, left);
+  return fmt::format("[{}] {:.3f} s  frame {}/{}  {:.1f} steps/s  {}  {} left", bar, time, frame, frames,
+                     static_cast<double>(steps) / std::max(elapsed, 1e-9), detail, left);
 }
 
-Progress::Progress(double duration, int frames, bool enabled)
-    : duration_(duration), frames_(frames), enabled_(enabled) {}
+Progress::Progress(double start, double end, int frames, bool enabled)
+    : start_(start), end_(end), frames_(frames), enabled_(enabled) {}
 
 Progress::~Progress() {
   if (enabled_) draw_status_line("");
 }
 
-void Progress::show(double time, int frame, const FluidStep& step) {
+void Progress::show(double time, int frame, const std::string& detail) {
   ++steps_;
   const double now = watch_.seconds();
   if (!enabled_ || (last_drawn_ >= 0 && now - last_drawn_ < kRedrawSeconds)) return;
   last_drawn_ = now;
-  draw_status_line(progress_line(time, duration_, frame, frames_, steps_, now, step));
+  const double done = std::clamp((time - start_) / (end_ - start_), 0.0, 1.0);
+  draw_status_line(progress_line(done, time, frame, frames_, steps_, now, detail));
 }
 
 }  // namespace kappaflow

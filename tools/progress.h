@@ -3,7 +3,6 @@
 
 #include <string>
 
-#include "solver/fluid_solver.h"
 #include "tools/timings.h"
 
 namespace kappaflow {
@@ -16,17 +15,17 @@ void draw_status_line(const std::string& text);
 /// end.
 class Progress {
  public:
-  /// duration [s] of simulated time; frames: number of the last one.
-  Progress(double duration, int frames, bool enabled);
+  /// From time `start` to `end` [s]; frames: number of the last one.
+  Progress(double start, double end, int frames, bool enabled);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// Call after each solver step that worked towards `frame`.
-  void show(double time, int frame, const FluidStep& step);
+  /// Call after each step that worked towards `frame`. detail: what else there is to say of it.
+  void show(double time, int frame, const std::string& detail);
 
  private:
-  double duration_;
+  double start_, end_;
   int frames_;
   bool enabled_;
   Stopwatch watch_;
@@ -34,8 +33,8 @@ class Progress {
   std::size_t steps_ = 0;
 };
 
-/// The line itself. elapsed: wall time so far [s].
-std::string progress_line(double time, double duration, int frame, int frames, std::size_t steps,
-                          double elapsed, const FluidStep& step);
+/// The line itself. done: share of the whole, in [0, 1]; elapsed: wall time so far [s].
+std::string progress_line(double done, double time, int frame, int frames, std::size_t steps, double elapsed,
+                          const std::string& detail);
 
 }  // namespace kappaflow

@@ -1,6 +1,9 @@
 #include "tools/render.h"
 
 #include <fmt/format.h>
+#include <vtkDataArray.h>
+#include <vtkFieldData.h>
+#include <vtkPoints.h>
 #include <vtk_jsoncpp.h>
 
 #include <algorithm>
@@ -18,13 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What run.json says about the run, as far as pictures need it.
-struct RunFacts {
-  std::vector<std::string> methods;
-  double frames_per_second = 0, duration = 0;
-};
-
-RunFacts read_run_facts(const fs::path& folder) {
+/// The methods that run.json names.
+std::vector<std::string> methods_of_run(const fs::path& folder) {
   const fs::path file = folder / kRecordFile;
   const std::string text = read_file(file);
   Json::Value record;
@@ -33,17 +31,16 @@ RunFacts read_run_facts(const fs::path& folder) {
   if (!reader->parse(text.data(), text.data() + text.size(), &record, &errors) ||
       !record["methods"].isArray())
     throw IoError(file.string(), "is not the record of a run");
-  RunFacts facts;
-  for (const Json::Value& method : record["methods"]) facts.methods.push_back(method.asString());
-  facts.frames_per_second = record["frames_per_second"].asDouble();
-  facts.duration = record["duration"].asDouble();
-  return facts;
+  std::vector<std::string> methods;
+  for (const Json::Value& method : record["methods"]) methods.push_back(method.asString());
+  return methods;
 }
 
-std::vector<std::string> chosen_methods(const RenderOptions& options, const RunFacts& facts) {
-  if (options.methods.empty()) return facts.methods;
+std::vector<std::string> chosen_methods(const RenderOptions& options) {
+  const std::vector<std::string> tracked = methods_of_run(options.folder);
+  if (options.methods.empty()) return tracked;
   for (const std::string& method : options.methods)
-    if (std::ranges::find(facts.methods, method) == facts.methods.end())
+    if (std::ranges::find(tracked, method) == tracked.end())
       throw InvalidInput(
           fmt::format("{} has no surface tracked with \"{}\"", options.folder.string(), method));
   return options.methods;
@@ -54,33 +51,51 @@ bool has_frame(const fs::path& folder, const std::vector<std::string>& methods, 
                              [&](const auto& m) { return fs::exists(folder / surface_file(m, frame)); });
 }
 
-int chosen_frame(const RenderOptions& options, const std::vector<std::string>& methods) {
+int frame_count(const fs::path& folder, const std::vector<std::string>& methods) {
   int frames = 0;
-  while (has_frame(options.folder, methods, frames)) ++frames;
+  while (has_frame(folder, methods, frames)) ++frames;
+  return frames;
+}
+
+int chosen_frame(const RenderOptions& options, const std::vector<std::string>& methods) {
+  const int frames = frame_count(options.folder, methods);
   if (options.frame < frames && frames > 0) return options.frame >= 0 ? options.frame : frames - 1;
   throw InvalidInput(frames == 0 ? fmt::format("{} has no frames yet", options.folder.string())
                                  : fmt::format("{} has frames 0 to {}, not {}", options.folder.string(),
                                                frames - 1, options.frame));
 }
 
+/// The points of the first method's surface in the first and the last frame.
+vtkSmartPointer<vtkPolyData> both_ends(const fs::path& folder, const std::vector<std::string>& methods) {
+  const auto first = read_vtp(folder / surface_file(methods.front(), 0)),
+             last = read_vtp(folder / surface_file(methods.front(), frame_count(folder, methods) - 1));
+  const vtkIdType offset = first->GetNumberOfPoints();
+  first->GetPoints()->InsertPoints(offset, last->GetNumberOfPoints(), 0, last->GetPoints());
+  return first;
+}
+
+double time_of(vtkPolyData& surface) {
+  vtkDataArray* const time = surface.GetFieldData()->GetArray("TimeValue");
+  return time != nullptr ? time->GetTuple1(0) : 0;
+}
+
 }  // namespace
 
 void render(const RenderOptions& options) {
-  const RunFacts facts = read_run_facts(options.folder);
-  const std::vector<std::string> methods = chosen_methods(options, facts);
+  const std::vector<std::string> methods = chosen_methods(options);
   const int frame = chosen_frame(options, methods);
-  const double time = std::min(frame / facts.frames_per_second, facts.duration);
   std::vector<Panel> panels;
   panels.reserve(methods.size());
-  for (const std::string& method : methods)
-    panels.push_back({fmt::format("{},  t = {:.2f} s", method, time),
-                      read_vtp(options.folder / surface_file(method, frame))});
+  for (const std::string& method : methods) {
+    const auto surface = read_vtp(options.folder / surface_file(method, frame));
+    panels.push_back({fmt::format("{},  t = {:.2f} s", method, time_of(*surface)), surface});
+  }
   const fs::path moving = options.folder / boundary_file(frame);
   const fs::path boundary = fs::exists(moving) ? moving : options.folder / kBoundaryFile;
   const auto walls = fs::exists(boundary) ? read_vtp(boundary) : nullptr;
-  // What fills the picture: the walls, or without walls the first surface at the start; the same in every
-  // frame of a run.
-  const auto subject = walls ? walls : read_vtp(options.folder / surface_file(methods.front(), 0));
+  // What fills the picture: the walls, or without walls the first surface at both ends of its way; the same
+  // in every frame of a run.
+  const auto subject = walls ? walls : both_ends(options.folder, methods);
   draw_picture(options.picture, panels, walls, subject, {.columns = options.columns});
 }
 

@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "surface/motion/velocity.h"
+#include "tools/interrupt.h"
+#include "tools/mesh_text.h"
 #include "tools/summary.h"
 
 namespace kappaflow {
-
-inline constexpr int kExitInterrupted = 130;  ///< 128 + SIGINT, as shells have it
 
 struct RunOptions {
   std::filesystem::path scene;
@@ -20,6 +20,7 @@ struct RunOptions {
   std::optional<double> duration;      ///< instead of the scene's [s]
   std::optional<Minimiser> minimiser;  ///< instead of the scene's
   bool keep_connectivity = false;      ///< no remeshing, whatever the scene says
+  std::vector<MeshFormat> formats;     ///< of further mesh files beside each surface's .vtp
   int threads = 1;
   bool force = false;                ///< replace a run that the folder already holds
   bool quiet = false;                ///< no progress, no summary

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/errors.h"
 #include "tools/data_files.h"
 #include "tools/files.h"
@@ -36,6 +38,13 @@ bool is_run_file(const fs::directory_entry& entry) {
          (name == "run.pvd" || name == "particles.pvd" || name == "boundary.pvd" || is_surface_name(name));
 }
 
+bool is_data_file(const fs::directory_entry& entry) {
+  const std::string kind = entry.path().extension().string();
+  return kind == ".vtp" || kind == ".tmp" || std::ranges::any_of(kMeshFormats, [&](const auto& format) {
+           return kind == fmt::format(".{}", format.name);
+         });
+}
+
 // A copy, since removing entries while iterating over them is undefined.
 std::vector<fs::directory_entry> entries_of(const fs::path& folder) {
   return {fs::directory_iterator(folder), fs::directory_iterator()};
@@ -47,7 +56,7 @@ void remove_run(const fs::path& folder) {
     if (is_run_file(entry)) fs::remove(entry);
     if (!is_data_folder(entry)) continue;
     for (const auto& file : entries_of(entry))
-      if (const fs::path kind = file.path().extension(); kind == ".vtp" || kind == ".tmp") fs::remove(file);
+      if (is_data_file(file)) fs::remove(file);
     if (fs::is_empty(entry)) fs::remove(entry);
   }
 }
@@ -109,6 +118,12 @@ void RunFolder::write_particles(int frame, vtkPolyData& data) {
 
 void RunFolder::write_surface(int frame, const std::string& method, vtkPolyData& data) {
   write_vtp(folder_ / surface_file(method, frame), data);
+}
+
+void RunFolder::write_mesh(int frame, const std::string& method, MeshFormat format,
+                           const std::string& bytes) {
+  fs::path file = folder_ / surface_file(method, frame);
+  write_file(file.replace_extension(name_of(kMeshFormats, format)), bytes);
 }
 
 void RunFolder::finish_frame(double time, const FrameRows& rows) {

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "tools/mesh_text.h"
+
 namespace kappaflow {
 
 /// What a frame adds to the tables; whole lines.
@@ -18,7 +20,7 @@ struct FrameRows {
 ///   run.json  metrics.csv  pieces.csv  timings.csv  run.pvd
 ///   boundary.vtp, or where walls move boundary.pvd  boundary/boundary_0000.vtp ...
 ///   particles.pvd  particles/particles_0000.vtp ...
-///   surface-<method>.pvd  surface-<method>/surface_0000.vtp ...
+///   surface-<method>.pvd  surface-<method>/surface_0000.vtp ... (and .obj, .ply where these are asked for)
 /// Whatever is there under these names is complete and listed in the .pvd files, at any moment of the run.
 class RunFolder {
  public:
@@ -36,6 +38,8 @@ class RunFolder {
   void write_boundary(int frame, vtkPolyData& data);
   void write_particles(int frame, vtkPolyData& data);
   void write_surface(int frame, const std::string& method, vtkPolyData& data);
+  /// A further file of the same surface, beside its .vtp.
+  void write_mesh(int frame, const std::string& method, MeshFormat format, const std::string& bytes);
   /// Lists the frame's files at `time` [s] in the .pvd files and appends its rows to the tables.
   void finish_frame(double time, const FrameRows& rows);
 

@@ -42,6 +42,31 @@ Json::Value scene_record(const Scene& scene) {
   return record;
 }
 
+/// What every record says: the program, how it was called, and how surfaces are defined and tracked.
+Json::Value common_record(const std::vector<std::string>& command, int threads,
+                          const SurfaceDescription& surface, const ParticleFieldOptions& field) {
+  Json::Value record;
+  record["version"] = kVersion;
+  record["build"] = build_description();
+  record["started"] = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::now()));
+  record["command"] = list(command);
+  record["seed"] = Json::Value();  // null: nothing in a run is random
+  record["threads"] = threads;
+  record["methods"] = list(surface.methods);
+  record["minimiser"] = minimiser_record(surface.tracker.velocity.minimiser);
+  record["sigma"] = field.sigma;
+  record["threshold"] = field.threshold;
+  record["threshold_rule"] = surface.threshold ? "number" : "auto";
+  return record;
+}
+
+std::string record_text(const Json::Value& record) {
+  Json::StreamWriterBuilder writer;
+  writer["indentation"] = "  ";
+  writer["precision"] = 17;
+  return Json::writeString(writer, record) + "\n";
+}
+
 }  // namespace
 
 std::string text_hash(std::string_view text) {
@@ -62,28 +87,29 @@ std::string build_description() {
 }
 
 std::string run_record(const RunOptions& options, const Scene& scene, const Simulation& simulation) {
-  const ParticleFieldOptions& field = simulation.field_options();
-  Json::Value record;
-  record["version"] = kVersion;
-  record["build"] = build_description();
-  record["started"] = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::now()));
-  record["command"] = list(options.command);
+  Json::Value record =
+      common_record(options.command, options.threads, scene.surface, simulation.surfaces().field_options());
   record["options"] = options_record(options);
   record["scene"] = scene_record(scene);
-  record["seed"] = Json::Value();  // null: nothing in a run is random
-  record["threads"] = options.threads;
   record["particles"] = Json::UInt64{simulation.particles().size()};
   record["duration"] = scene.duration;
   record["frames_per_second"] = scene.output.frames_per_second;
-  record["methods"] = list(scene.surface.methods);
-  record["minimiser"] = minimiser_record(scene.surface.tracker.velocity.minimiser);
-  record["sigma"] = field.sigma;
-  record["threshold"] = field.threshold;
-  record["threshold_rule"] = scene.surface.threshold ? "number" : "auto";
-  Json::StreamWriterBuilder writer;
-  writer["indentation"] = "  ";
-  writer["precision"] = 17;
-  return Json::writeString(writer, record) + "\n";
+  return record_text(record);
+}
+
+std::string track_record(const TrackOptions& options, const ParticleSequence& sequence,
+                         const SurfaceDescription& surface, const ParticleFieldOptions& field) {
+  Json::Value record = common_record(options.command, options.threads, surface, field);
+  Json::Value& input = record["sequence"];
+  input["name"] = sequence.name();
+  input["first"] = sequence.file(0).string();
+  input["last"] = sequence.file(sequence.size() - 1).string();
+  input["files"] = Json::UInt64{sequence.size()};
+  input["notes"] = list(sequence.notes());
+  record["duration"] = sequence.time(sequence.size() - 1) - sequence.time(0);
+  record["frames_per_second"] =
+      options.frames_per_second ? Json::Value(*options.frames_per_second) : Json::Value();
+  return record_text(record);
 }
 
 }  // namespace kappaflow

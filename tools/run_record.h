@@ -7,12 +7,17 @@
 #include "scenes/scene.h"
 #include "tools/run.h"
 #include "tools/simulation.h"
+#include "tools/track.h"
 
 namespace kappaflow {
 
 /// The text of run.json: version, build, command, options, scene (file, hash, text), threads, and the numbers
 /// that were derived from the scene (threshold, sigma, frame count).
 std::string run_record(const RunOptions& options, const Scene& scene, const Simulation& simulation);
+
+/// The same of tracked particles: the files, what is known about them, and the numbers that were derived.
+std::string track_record(const TrackOptions& options, const ParticleSequence& sequence,
+                         const SurfaceDescription& surface, const ParticleFieldOptions& field);
 
 /// "fnv1a64:" and 16 hex digits: the 64-bit FNV-1a hash of a text, to recognise a scene, not to protect it.
 std::string text_hash(std::string_view text);

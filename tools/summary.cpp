@@ -15,14 +15,16 @@ std::string median_text(std::span<const SurfaceMetrics> frames,
   return value ? fmt::format("{:.4f}", *value) : "-";
 }
 
-std::string run_lines(const RunSummary& s, const Scene& scene, const ParticleFieldOptions& field) {
-  return fmt::format(
-             "{}\n  {} particles, {} frames, {} steps to t = {:.4g} s; threshold {:.6g}, sigma {:.4g} m\n",
-             scene.title, s.frames.back().particles, s.frames.size(), s.steps, s.frames.back().time,
-             field.threshold, field.sigma) +
-         fmt::format(
-             "  deepest particle {:.3f} spacings inside a wall; compression mean {:.2e}, max {:.2e}\n",
-             s.penetration_max, s.density_error_mean, s.density_error_max);
+std::string run_lines(const RunSummary& s, const std::string& title, const ParticleFieldOptions& field) {
+  std::string text = fmt::format(
+      "{}\n  {} particles, {} frames, {} steps to t = {:.4g} s; threshold {:.6g}, sigma {:.4g} m\n", title,
+      s.frames.back().particles, s.frames.size(), s.steps, s.frames.back().time, field.threshold,
+      field.sigma);
+  if (s.penetration_max && s.density_error_mean && s.density_error_max)
+    text +=
+        fmt::format("  deepest particle {:.3f} spacings inside a wall; compression mean {:.2e}, max {:.2e}\n",
+                    *s.penetration_max, *s.density_error_mean, *s.density_error_max);
+  return text;
 }
 
 std::string time_line(const RunSummary& s) {
@@ -77,6 +79,7 @@ double MethodSummary::residual_max() const {
 
 void RunSummary::add_frame(const FrameMetrics& metrics, double tracers, double shared_output) {
   frames.push_back(metrics);
+  // An empty optional compares as less than any number.
   penetration_max = std::max(penetration_max, metrics.penetration_max);
   density_error_mean = std::max(density_error_mean, metrics.density_error_mean);
   density_error_max = std::max(density_error_max, metrics.density_error_max);
@@ -101,9 +104,9 @@ std::vector<std::optional<double>> over_frames(std::span<const SurfaceMetrics> f
   return values;
 }
 
-std::string summary_text(const RunSummary& summary, const Scene& scene, const ParticleFieldOptions& field,
-                         const std::filesystem::path& folder) {
-  return run_lines(summary, scene, field) + time_line(summary) + method_table(summary) +
+std::string summary_text(const RunSummary& summary, const std::string& title,
+                         const ParticleFieldOptions& field, const std::filesystem::path& folder) {
+  return run_lines(summary, title, field) + time_line(summary) + method_table(summary) +
          fmt::format("Results: {}\nOpen:    paraview {}\n", folder.string(), (folder / "run.pvd").string());
 }
 

@@ -1,4 +1,4 @@
-// What `kappaflow run` prints at its end.
+// What `kappaflow run` and `kappaflow track` print at their end.
 #pragma once
 
 #include <filesystem>
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "scenes/scene.h"
+#include "surface/field/particle_motion.h"
 #include "tools/metrics.h"
 #include "tools/timings.h"
 
@@ -28,12 +28,12 @@ struct MethodSummary {
 struct RunSummary {
   std::vector<MethodSummary> methods;
   std::vector<FrameMetrics> frames;  ///< the finished ones, the first included
-  double penetration_max = 0, density_error_mean = 0, density_error_max = 0;  ///< largest of all frames
-  std::size_t steps = 0;                                                      ///< of the solver
+  std::optional<double> penetration_max, density_error_mean, density_error_max;  ///< largest of all frames
+  std::size_t steps = 0;                                                         ///< in time
   double setup_seconds = 0, tracer_seconds = 0, shared_output_seconds = 0;
   double wall_seconds = 0;
   bool interrupted = false;   ///< by SIGINT
-  double interrupted_at = 0;  ///< [s] of the simulation
+  double interrupted_at = 0;  ///< [s] of simulated time
   std::string text;           ///< see summary_text()
 
   void add_frame(const FrameMetrics& metrics, double tracers, double shared_output);
@@ -47,7 +47,7 @@ std::vector<std::optional<double>> over_frames(std::span<const SurfaceMetrics> f
                                                std::optional<double> SurfaceMetrics::*member);
 
 /// For the terminal.
-std::string summary_text(const RunSummary& summary, const Scene& scene, const ParticleFieldOptions& field,
-                         const std::filesystem::path& folder);
+std::string summary_text(const RunSummary& summary, const std::string& title,
+                         const ParticleFieldOptions& field, const std::filesystem::path& folder);
 
 }  // namespace kappaflow

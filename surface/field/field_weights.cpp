@@ -1,5 +1,7 @@
-// Weights and threshold of Eq. 12 from the particles' places.
+// Weights, threshold and support radius of Eq. 12 from the particles' places.
 #include <algorithm>
+#include <nanoflann.hpp>
+#include <numbers>
 
 #include "core/errors.h"
 #include "surface/field/particle_field.h"
@@ -23,6 +25,34 @@ std::vector<double> kernel_sums(std::span<const Vec3> position, std::span<const 
   return sum;
 }
 
+/// As nanoflann wants points.
+struct PointCloud {
+  std::span<const Vec3> points;
+  std::size_t kdtree_get_point_count() const { return points.size(); }
+  double kdtree_get_pt(std::size_t i, std::size_t axis) const { return points[i][static_cast<int>(axis)]; }
+  template <class Box>
+  bool kdtree_get_bbox(Box&) const {
+    return false;
+  }
+};
+
+double median_nearest_distance(std::span<const Vec3> position) {
+  using Tree =
+      nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, PointCloud>, PointCloud, 3>;
+  const PointCloud cloud{position};
+  const Tree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(10));
+  std::vector<double> distance2(position.size());
+  parallel_for(position.size(), [&](std::size_t i) {
+    std::array<std::uint32_t, 2> index;  // of the particle itself and its nearest neighbour
+    std::array<double, 2> found;
+    tree.knnSearch(position[i].data(), 2, index.data(), found.data());
+    distance2[i] = found[1];
+  });
+  const auto middle = distance2.begin() + static_cast<std::ptrdiff_t>(distance2.size() / 2);
+  std::nth_element(distance2.begin(), middle, distance2.end());
+  return std::sqrt(*middle);
+}
+
 }  // namespace
 
 std::vector<double> field_weights(std::span<const Vec3> position, double sigma, WeightRule rule) {
@@ -39,6 +69,19 @@ double half_median_threshold(std::span<const Vec3> position, std::span<const dou
   const std::size_t n = sum.size();
   std::sort(sum.begin(), sum.end());
   return 0.25 * (sum[(n - 1) / 2] + sum[n / 2]);
+}
+
+double particle_spacing(std::span<const Vec3> position) {
+  constexpr double kReach = 2.5, kShare = 0.9;                     // see the header
+  constexpr double kKernelIntegral = 64 * std::numbers::pi / 315;  // of (1 - r^2)^3 over the unit ball
+  if (position.size() < 2) throw InvalidInput("the spacing of particles takes at least two of them");
+  const double nearest = median_nearest_distance(position);
+  if (!(nearest > 0)) throw InvalidInput("half of the particles coincide with others");
+  const double s = kReach * nearest;
+  std::vector<double> sum = kernel_sums(position, std::vector<double>(position.size(), 1.0), s);
+  const auto chosen = sum.begin() + static_cast<std::ptrdiff_t>(kShare * static_cast<double>(sum.size() - 1));
+  std::nth_element(sum.begin(), chosen, sum.end());
+  return s * std::cbrt(kKernelIntegral / *chosen);
 }
 
 }  // namespace kappaflow

@@ -75,7 +75,7 @@ struct ParticleField::JetSums {
   }
 
   void add(const Hits& hits, std::size_t first);
-  Jet jet(double threshold) const;
+  Jet jet(double threshold, double cloud_speed) const;
 };
 
 inline void ParticleField::JetSums::add(const Hits& hits, std::size_t first) {
@@ -109,7 +109,7 @@ inline void ParticleField::JetSums::add(const Hits& hits, std::size_t first) {
   }
 }
 
-inline Jet ParticleField::JetSums::jet(double threshold) const {
+inline Jet ParticleField::JetSums::jet(double threshold, double cloud_speed) const {
   const auto symmetric = [](const Lanes(&m)[6], double diagonal) {
     Mat3 s;
     s << m[0].sum() + diagonal, m[1].sum(), m[2].sum(),  //
@@ -137,7 +137,7 @@ inline Jet ParticleField::JetSums::jet(double threshold) const {
            .yzz = C[8].sum() + qy,
            .zzz = C[9].sum() + 3 * qz};
   jet.length_scale = sum > 0 ? sigma.sum() / sum : 0;
-  jet.fastest_in_reach = std::sqrt(fastest2.maxCoeff());
+  jet.fastest_in_reach = std::max(std::sqrt(fastest2.maxCoeff()), cloud_speed);
   return jet;
 }
 
@@ -205,7 +205,7 @@ inline void ParticleField::StrainSums::response(const Jet& jet, StrainResponse& 
 }
 
 ParticleField::ParticleField(const FieldParticles& particles, double threshold, double time)
-    : threshold_(threshold), time_(time) {
+    : threshold_(threshold), time_(time), cloud_speed_(particles.cloud_speed) {
   check(particles);
   set_particles(particles);
 }
@@ -222,6 +222,7 @@ void ParticleField::set_particles(const FieldParticles& p) {
     bounds_.upper = bounds_.upper.cwiseMax(p.position[i] + Vec3::Constant(p.sigma[i]));
     fastest_speed_ = std::max(fastest_speed_, p.velocity[i].norm());
   }
+  fastest_speed_ = std::max(fastest_speed_, cloud_speed_);
   grid_.build(std::span<const Vec3>(p.position), largest_sigma_);
   for (auto* array : {&x_, &y_, &z_, &inverse_sigma2_, &weight_}) array->resize(n);
   source_.resize(n);
@@ -304,7 +305,7 @@ Jet ParticleField::jet(const Vec3& x) const {
     load_hits(x, indices, hits);
     for (std::size_t first = 0; first < hits.count; first += kLanes) sums.add(hits, first);
   });
-  return sums.jet(threshold_);
+  return sums.jet(threshold_, cloud_speed_);
 }
 
 Jet ParticleField::jet(const Vec3& x, StrainResponse& strain) const {
@@ -318,7 +319,7 @@ Jet ParticleField::jet(const Vec3& x, StrainResponse& strain) const {
       strain_sums.add(hits, first);
     }
   });
-  Jet jet = sums.jet(threshold_);
+  Jet jet = sums.jet(threshold_, cloud_speed_);
   strain_sums.response(jet, strain);
   return jet;
 }
@@ -351,6 +352,7 @@ std::optional<Vec3> ParticleField::material_velocity(const Vec3& x) const {
   // Small against the kernel's second moment of about 0.09: an affine flow is followed to a percent, and a
   // sheet of particles, whose gradient is undetermined, still gives a regular matrix.
   constexpr double kRidge = 0.001;
+  if (cloud_speed_ > 0) return std::nullopt;
   using Vec4 = Eigen::Vector4d;
   Eigen::Matrix4d moment = Eigen::Matrix4d::Zero();
   Eigen::Matrix<double, 4, 3> rhs = Eigen::Matrix<double, 4, 3>::Zero();

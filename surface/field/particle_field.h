@@ -22,6 +22,9 @@ struct FieldParticles {
   std::vector<double> sigma;        ///< support radius [m], > 0
   std::vector<double> weight;       ///< w_i [-]
   std::vector<double> weight_rate;  ///< dw_i/dt [1/s]
+  /// Where no velocity is known (all are zero) and the field changes through its weights alone: how fast its
+  /// surface may be [m/s]. 0: velocities are known.
+  double cloud_speed = 0;
 };
 
 /// Eq. 12 at one instant, with its analytic jet. The third derivatives jump where a particle's support ends;
@@ -43,7 +46,7 @@ class ParticleField final : public Field {
   double fastest_speed() const override { return fastest_speed_; }
   /// Affine moving least squares of the particles' velocities, kernel (1 - r^2)^3, basis (1, (x_i -
   /// x)/sigma), with a ridge of 0.001 times the sum of the kernel on the three gradient terms. nullopt where
-  /// nothing is in reach.
+  /// nothing is in reach, and everywhere where no velocity is known.
   std::optional<Vec3> material_velocity(const Vec3& x) const override;
   void sample(SampledField& samples) const override;
 
@@ -70,7 +73,7 @@ class ParticleField final : public Field {
   std::vector<Source> source_;
   double threshold_;
   double time_;
-  double largest_sigma_ = 0, smallest_sigma_ = 0, fastest_speed_ = 0;
+  double largest_sigma_ = 0, smallest_sigma_ = 0, fastest_speed_ = 0, cloud_speed_ = 0;
   Bounds bounds_;
 };
 
@@ -80,5 +83,12 @@ std::vector<double> field_weights(std::span<const Vec3> position, double sigma, 
 /// Half the median over the particles of sum_j w_j (1 - r_ij^2)^3: the threshold that puts a flat surface in
 /// the right place. Throws InvalidInput without particles.
 double half_median_threshold(std::span<const Vec3> position, std::span<const double> weight, double sigma);
+
+/// The spacing h of particles [m], one to h^3 inside the body: from the median m of the distances to the
+/// nearest neighbour, and then from S = sum_j (1 - |x_ij|^2/s^2)^3 with s = 2.5 m, of which a body without a
+/// surface has 64 pi/315 (s/h)^3. S is the one that a tenth of the particles exceed, as most of a small body
+/// is near its surface. Exact to about 2 % in lattices and jittered bodies; a sheet's comes out a quarter too
+/// large. Throws InvalidInput for fewer than two particles or where half of them coincide.
+double particle_spacing(std::span<const Vec3> position);
 
 }  // namespace kappaflow

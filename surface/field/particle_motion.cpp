@@ -59,7 +59,8 @@ FieldParticles ParticleMotion::particles_at(double t) const {
                    .velocity = std::vector<Vec3>(n),
                    .sigma = std::vector<double>(n, options_.sigma),
                    .weight = std::vector<double>(n),
-                   .weight_rate = std::vector<double>(n)};
+                   .weight_rate = std::vector<double>(n),
+                   .cloud_speed = options_.cloud_speed};
   parallel_for(n, [&](std::size_t i) {
     const Path& path = paths_[i];
     const Vec3 moved = path.position_t1 - path.position_t0;
@@ -80,6 +81,16 @@ std::shared_ptr<const Field> ParticleMotion::at(double t) {
   return fields_.back();
 }
 
+void ParticleMotion::forget_before(double t) {
+  std::erase_if(fields_, [t](const auto& field) { return field->time() < t; });
+}
+
+MotionPart::MotionPart(FieldMotion& whole, double t0, double t1) : whole_(whole), t0_(t0), t1_(t1) {
+  if (!(whole.t0() <= t0 && t0 < t1 && t1 <= whole.t1()))
+    throw InvalidInput(fmt::format("a step from {} s to {} s through a motion from {} s to {} s", t0, t1,
+                                   whole.t0(), whole.t1()));
+}
+
 std::shared_ptr<const ParticleField> particle_field(const Particles& particles,
                                                     const ParticleFieldOptions& options) {
   check(options);
@@ -89,7 +100,8 @@ std::shared_ptr<const ParticleField> particle_field(const Particles& particles,
                    .velocity = particles.velocity,
                    .sigma = std::vector<double>(n, options.sigma),
                    .weight = field_weights(particles.position, options.sigma, options.weights),
-                   .weight_rate = std::vector<double>(n, 0.0)};
+                   .weight_rate = std::vector<double>(n, 0.0),
+                   .cloud_speed = options.cloud_speed};
   return std::make_shared<ParticleField>(p, options.threshold, particles.time);
 }
 

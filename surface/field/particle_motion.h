@@ -11,12 +11,14 @@ struct ParticleFieldOptions {
   double sigma = 0;                          ///< support radius [m], > 0
   WeightRule weights = WeightRule::uniform;  ///< see WeightRule
   double threshold = 0;                      ///< T of Eq. 12 [-], > 0
+  double cloud_speed = 0;                    ///< see FieldParticles
 };
 
 /// Eq. 12 on [t0, t1]. Particles are paired by id; x_i(t) is the cubic Hermite interpolant of positions and
 /// velocities at both ends and v_i(t) its derivative; weights are linear in time, and their rate is part of
 /// the field's time derivatives. A particle that is present at one end only moves with its velocity there
-/// while its weight ramps linearly to (or from) zero.
+/// while its weight ramps linearly to (or from) zero. Particles of which none is present at both ends, all at
+/// rest (a point cloud), give the mean of the two fields weighted by time: f_t = (f_1 - f_0)/(t1 - t0).
 class ParticleMotion final : public FieldMotion {
  public:
   /// Throws InvalidInput unless at_t0.time < at_t1.time, both pass check_particles(), and sigma and threshold
@@ -28,6 +30,8 @@ class ParticleMotion final : public FieldMotion {
   /// Builds the field at its first use and keeps it as long as the motion lives. Throws InvalidInput outside
   /// [t0, t1].
   std::shared_ptr<const Field> at(double t) override;
+  /// Lets go of fields at times before t.
+  void forget_before(double t);
 
  private:
   /// A particle at both ends of the step.
@@ -43,6 +47,21 @@ class ParticleMotion final : public FieldMotion {
   ParticleFieldOptions options_;
   std::vector<Path> paths_;  // one a particle that is present at either end, by id
   std::vector<std::shared_ptr<const ParticleField>> fields_;  // those asked for so far
+};
+
+/// One step of several through a longer motion, which must outlive it.
+class MotionPart final : public FieldMotion {
+ public:
+  /// Throws InvalidInput unless whole.t0() <= t0 < t1 <= whole.t1().
+  MotionPart(FieldMotion& whole, double t0, double t1);
+
+  double t0() const override { return t0_; }
+  double t1() const override { return t1_; }
+  std::shared_ptr<const Field> at(double t) override { return whole_.at(t); }
+
+ private:
+  FieldMotion& whole_;
+  double t0_, t1_;
 };
 
 /// The field of particles at one instant, moving with their velocities while their weights stay as they are.

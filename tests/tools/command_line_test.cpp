@@ -12,6 +12,8 @@ namespace {
 
 const std::string kSmallScene = KAPPAFLOW_SOURCE_DIR "/scenes/staircase-small.toml";
 
+const std::string kFrames = KAPPAFLOW_SOURCE_DIR "/tests/data/splishsplash/*.vtk";
+
 class CommandLine : public Scratch {};
 
 struct Mistake {
@@ -55,6 +57,14 @@ TEST_F(CommandLine, MistakesAreOneLineAndExitCodeTwo) {
       {{"probe", "a.csv", "b.csv"}, 2, "--threshold is required"},
       {{"probe", "a.csv", "b.csv", "--threshold", "high"}, 2, "found \"high\"; expected a number"},
       {{"render", "out"}, 2, "--out is required"},
+      {{"track"}, 2, "FILES is required; see kappaflow track --help"},
+      {{"track", "a_*.vtk", "--fps", "0"}, 2, "--fps: found \"0\"; expected a number above 0"},
+      {{"track", "a_*.vtk", "--sigma", "wide"}, 2, "--sigma: found \"wide\"; expected a number above 0"},
+      {{"track", "a_*.vtk", "--velocity", "bogus"}, 2, "found \"bogus\"; expected one of "},
+      {{"track", "a_*.vtk", "--velocity", "total,total"}, 2, "\"total\" is named twice"},
+      {{"track", "a_*.vtk", "--format", "stl"}, 2, "found \"stl\"; expected one of vtk, obj, ply"},
+      {{"track", "/nowhere/a_*.vtk"}, 5, "/nowhere/a_*.vtk: there is no such file"},
+      {{"track", kFrames}, 2, "the files hold no times; say how many frames a second they are by --fps"},
   };
   for (const Mistake& mistake : mistakes) expect_one_line(mistake);
 }
@@ -77,7 +87,7 @@ TEST_F(CommandLine, RefusesAUsedFolder) {
 }
 
 TEST_F(CommandLine, EveryHelpHasAnExampleAndTheExitCodes) {
-  for (const std::string command : {"run", "check", "probe", "render"}) {
+  for (const std::string command : {"run", "track", "check", "probe", "render"}) {
     const ProgramResult result = run_program({command, "--help"});
     EXPECT_EQ(result.exit_code, 0);
     EXPECT_EQ(result.err, "");
@@ -85,7 +95,7 @@ TEST_F(CommandLine, EveryHelpHasAnExampleAndTheExitCodes) {
     EXPECT_NE(result.out.find("Exit codes:\n"), std::string::npos) << command;
   }
   const std::string help = run_program({"--help"}).out;
-  for (const std::string command : {"run", "check", "probe", "render", "Example:", "Exit codes:"})
+  for (const std::string command : {"run", "track", "check", "probe", "render", "Example:", "Exit codes:"})
     EXPECT_NE(help.find(command), std::string::npos);
   EXPECT_NE(run_program({"run", "--help"}).out.find("curvature-only"), std::string::npos)
       << "lists the methods";
@@ -106,6 +116,26 @@ TEST_F(CommandLine, CheckSaysWhatTheSceneCosts) {
   for (const char* part :
        {"particles 1000\n", "boundary particles ", " on 1 thread\n", "stairs, 5 steps", "methods "})
     EXPECT_NE(result.out.find(part), std::string::npos) << part << "\n" << result.out;
+}
+
+TEST_F(CommandLine, TrackSaysWhatItFoundAndRenderDrawsIt) {
+  const std::string out = (folder / "tracked").string();
+  const ProgramResult result = run_program({"track", kFrames, "--fps", "30", "--velocity", "regional",
+                                            "--format", "obj", "--threads", "1", "--out", out});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(result.err, "");
+  for (const char* part :
+       {"ParticleData_Fluid: 3 files", "2160 particles\n", "matched by id (\"id\")",
+        "velocities from \"velocity\"", "velocities and displacements fit 25 frames a second, not 30",
+        "spacing 0.063", "(measured)", "velocity regional\n"})
+    EXPECT_NE(result.out.find(part), std::string::npos) << part << "\n" << result.out;
+  EXPECT_TRUE(std::filesystem::exists(folder / "tracked/surface-regional/surface_0002.obj"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "tracked/surface-regional/surface_0002.ply"));
+  expect_one_line(
+      {{"track", kFrames, "--fps", "25", "--out", out}, 2, "already holds a run; --force replaces it"});
+  const ProgramResult drawn = run_program({"render", out, "--out", (folder / "a.png").string()});
+  EXPECT_EQ(drawn.exit_code, 0) << drawn.err;
+  EXPECT_EQ(bytes_of(folder / "a.png").substr(0, 4), "\x89PNG");
 }
 
 TEST_F(CommandLine, ProbePrintsATable) {

@@ -160,5 +160,54 @@ TEST(ParticleMotion, RefusesWhatMakesNoSense) {
   EXPECT_THROW(motion.at(0.6), InvalidInput);
 }
 
+// Clouds: nothing is paired, nothing has a velocity, and f is the mean of the two fields.
+TEST(PointClouds, FieldIsTheMeanOfBothEnds) {
+  std::mt19937 random(5);
+  Particles before{kT0, {}, {}, {}}, after{kT1, {}, {}, {}};
+  for (int i = 0; i < 40; ++i) {
+    before.id.push_back(i);
+    after.id.push_back(40 + i);
+    before.position.push_back(random_vector(random, 0.5));
+    after.position.push_back(before.position.back() + random_vector(random, 0.02));
+  }
+  before.velocity.assign(40, Vec3::Zero());
+  after.velocity = before.velocity;
+  const ParticleFieldOptions options{
+      .sigma = 0.6, .weights = WeightRule::uniform, .threshold = 0.5, .cloud_speed = 7};
+  ParticleMotion motion(before, after, options);
+  const auto f0 = particle_field(before, options), f1 = particle_field(after, options);
+  const auto middle = motion.at(0.25 * kT1 + 0.75 * kT0);
+  for (int i = 0; i < 20; ++i) {
+    const Vec3 x = random_vector(random, 0.4);
+    const Jet jet = middle->jet(x), a = f0->jet(x), b = f1->jet(x);
+    EXPECT_NEAR(jet.f, 0.75 * a.f + 0.25 * b.f, 1e-13);
+    EXPECT_NEAR(jet.f_t, (b.f - a.f) / (kT1 - kT0), 1e-11);
+    EXPECT_LT((jet.g_t - (b.g - a.g) / (kT1 - kT0)).norm(), 1e-10);
+    EXPECT_LT((jet.A_t - (b.A - a.A) / (kT1 - kT0)).norm(), 1e-9);
+    EXPECT_EQ(jet.fastest_in_reach, 7) << "what is not known does not limit";
+    EXPECT_EQ(middle->material_velocity(x), std::nullopt);
+  }
+  EXPECT_EQ(middle->fastest_speed(), 7);
+}
+
+TEST(MotionPart, IsTheWholeForAWhile) {
+  const Particles before{kT0, {1}, {Vec3::Zero()}, {Vec3::Zero()}};
+  Particles after = before;
+  after.time = kT1;
+  after.position[0].x() = 0.1;
+  ParticleMotion whole(before, after, {.sigma = 1, .weights = WeightRule::uniform, .threshold = 0.5});
+  MotionPart part(whole, 0.35, 0.4);
+  EXPECT_EQ(part.t0(), 0.35);
+  EXPECT_EQ(part.t1(), 0.4);
+  const auto field = part.at(0.4);
+  EXPECT_EQ(field, whole.at(0.4));
+  part.at(0.35);
+  whole.forget_before(0.4);
+  EXPECT_EQ(whole.at(0.4), field) << "still there";
+  EXPECT_THROW(MotionPart(whole, 0.2, 0.4), InvalidInput);
+  EXPECT_THROW(MotionPart(whole, 0.4, 0.4), InvalidInput);
+  EXPECT_THROW(MotionPart(whole, 0.4, 0.6), InvalidInput);
+}
+
 }  // namespace
 }  // namespace kappaflow

@@ -75,5 +75,22 @@ TEST(Threshold, NeedsAParticle) {
   EXPECT_THROW(half_median_threshold({}, {}, 1), InvalidInput);
 }
 
+TEST(ParticleSpacing, OfLatticesAndJitteredBodies) {
+  std::mt19937 random(3);
+  for (const double h : {0.01, 3.0}) {
+    std::vector<Vec3> position = cubic_lattice(12, h);
+    EXPECT_NEAR(particle_spacing(position), h, 0.02 * h);
+    for (Vec3& x : position) x += 0.2 * h * testing::random_vector(random, 1);
+    EXPECT_NEAR(particle_spacing(position), h, 0.03 * h);
+    std::erase_if(position, [&](const Vec3& x) { return x.z() > 0.5 * h; });
+    EXPECT_NEAR(particle_spacing(position), 1.25 * h, 0.15 * h) << "a sheet";
+  }
+}
+
+TEST(ParticleSpacing, TakesParticlesThatLieApart) {
+  EXPECT_THROW(particle_spacing(std::vector<Vec3>{Vec3::Zero()}), InvalidInput);
+  EXPECT_THROW(particle_spacing(std::vector<Vec3>(5, Vec3(1, 2, 3))), InvalidInput);
+}
+
 }  // namespace
 }  // namespace kappaflow

@@ -1,0 +1,232 @@
+// Frames of other simulators: which files belong together, what is read from them, and what is wrong with
+// them.
+#include <algorithm>
+
+#include "core/errors.h"
+#include "tests/tools/scratch.h"
+#include "tests/tools/sequence_files.h"
+#include "tools/data_files.h"
+#include "tools/file_series.h"
+#include "tools/input_frame.h"
+#include "tools/particle_sequence.h"
+
+namespace kappaflow {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Sequence : public Scratch {
+ protected:
+  FileSeries series(const std::string& pattern) const {
+    return file_series(std::vector<std::string>{(folder / pattern).string()});
+  }
+  std::string path(const std::string& name) const { return (folder / name).string(); }
+  /// What opening the files says is wrong with them.
+  std::string complaint(const std::string& pattern, std::optional<double> fps = 10) const {
+    return message_of<InvalidInput>([&] { ParticleSequence(series(pattern), fps); });
+  }
+};
+
+TEST_F(Sequence, FilesSortByTheirNumber) {
+  for (const char* name : {"p_10.csv", "p_9.csv", "p_11.csv", "p_8.csv"}) file(name, "");
+  const FileSeries found = series("p_*.csv");
+  std::vector<std::string> names;
+  for (const fs::path& f : found.files) names.push_back(f.filename());
+  EXPECT_EQ(names, (std::vector<std::string>{"p_8.csv", "p_9.csv", "p_10.csv", "p_11.csv"}));
+  EXPECT_EQ(found.name, "p");
+  EXPECT_EQ(found.gap, "");
+  EXPECT_EQ(file_series(std::vector{path("p_9.csv"), path("p_8.csv")}).files.front(), path("p_8.csv"));
+}
+
+TEST_F(Sequence, FilesThatAreNoSeriesAreSaid) {
+  for (const char* name : {"a_1.csv", "a_2.csv", "a_4.csv", "b_1.csv", "a_01.csv", "lone_1.csv"})
+    file(name, "");
+  EXPECT_EQ(series("a_[124].csv").gap, "a file is missing: " + path("a_4.csv") + " comes after " +
+                                           path("a_2.csv") + ", and elsewhere the number goes up by 1");
+  EXPECT_NE(message_of<InvalidInput>([&] { series("?_1.csv"); }).find(" belong to different series; "),
+            std::string::npos);
+  EXPECT_NE(message_of<InvalidInput>([&] { series("a_*1.csv"); }).find(" have the same number"),
+            std::string::npos);
+  EXPECT_EQ(message_of<InvalidInput>([&] { series("lone_*.csv"); }),
+            path("lone_1.csv") + " is one file; a sequence takes two or more");
+  EXPECT_EQ(message_of<IoError>([&] { series("none_*.csv"); }),
+            path("none_*.csv") + ": there is no such file");
+}
+
+TEST_F(Sequence, EveryFormatHoldsTheSameParticles) {
+  const Particles body = moved_block(kBodyMotion, 0.3), shuffled = permuted(body, 1);
+  const std::vector<float> density(body.size(), 1000), pressure(body.size(), 5);
+  const std::vector<double> weight(body.size(), 1);
+  write_vtp(folder / "kappaflow.vtp", *particle_data({body, density, pressure, weight, 0.2}));
+  const std::vector<std::pair<fs::path, Particles>> files{
+      {folder / "kappaflow.vtp", body},
+      {file("splishsplash.vtk", splishsplash_text(shuffled)), shuffled},
+      {file("dualsphysics.vtk", dualsphysics_text(shuffled)), shuffled},
+      {file("pysph.vtu", pysph_text(shuffled)), shuffled},
+      {file("table.csv", csv_text(shuffled, true, true)), shuffled}};
+  for (const auto& [name, expected] : files) {
+    const InputFrame frame = read_input_frame(name);
+    EXPECT_EQ(frame.id, expected.id) << name;
+    ASSERT_EQ(frame.position.size(), expected.size()) << name;
+    ASSERT_EQ(frame.velocity.size(), expected.size()) << name;
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      EXPECT_LT((frame.position[i] - expected.position[i]).norm(), 1e-7) << name << " " << i;
+      EXPECT_LT((frame.velocity[i] - expected.velocity[i]).norm(), 2e-7) << name << " " << i;
+    }
+  }
+  EXPECT_EQ(read_input_frame(folder / "kappaflow.vtp").time, 0.3);
+  EXPECT_EQ(read_input_frame(folder / "kappaflow.vtp").pressure, pressure);
+  EXPECT_EQ(read_input_frame(folder / "splishsplash.vtk").density, density);
+  EXPECT_EQ(read_input_frame(folder / "dualsphysics.vtk").density, density);
+  EXPECT_EQ(read_input_frame(folder / "dualsphysics.vtk").left_out, 2u) << "of the wall";
+  EXPECT_EQ(read_input_frame(folder / "pysph.vtu").left_out, 1u) << "the ghost";
+  EXPECT_EQ(read_input_frame(folder / "pysph.vtu").velocity_name, "u, v, w");
+  EXPECT_EQ(read_input_frame(folder / "table.csv").time, std::nullopt);
+}
+
+TEST_F(Sequence, ATruncatedFileIsOneLineWhereverItEnds) {
+  const Particles body = moved_block(kBodyMotion, 0);
+  const std::vector<std::pair<std::string, std::string>> files{
+      {"a.vtk", splishsplash_text(body)}, {"b.vtk", dualsphysics_text(body)}, {"c.vtu", pysph_text(body)}};
+  testing::internal::CaptureStderr();
+  for (const auto& [name, whole] : files)
+    for (std::size_t size = 0; size + 2 < whole.size(); size += 211) {
+      const fs::path cut = file(name, whole.substr(0, size));
+      try {
+        // An array that the file has come to its end before is missing: said when it is compared to the
+        // others.
+        const InputFrame frame = read_input_frame(cut);
+        EXPECT_TRUE(frame.velocity.empty() || frame.density.empty()) << name << " cut at " << size;
+      } catch (const Error& error) {
+        EXPECT_TRUE(std::string(error.what()).starts_with(cut.string() + ": ")) << error.what();
+        EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+      }
+    }
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "") << "VTK prints nothing of its own";
+}
+
+TEST_F(Sequence, WrongFilesAreSaidInOneLine) {
+  const auto complains = [&](const std::string& name, const std::string& bytes) {
+    const fs::path wrong = file(name, bytes);
+    const std::string message = message_of<Error>([&] { read_input_frame(wrong); });
+    EXPECT_TRUE(message.starts_with(wrong.string() + ":")) << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+    return message.substr(wrong.string().size());
+  };
+  EXPECT_EQ(complains("a.csv", "id,x,y,z\n7,1,2,3\n8,1,nan,3\n"),
+            ":3:5: found \"nan\"; expected a finite number");
+  EXPECT_EQ(complains("a.csv", "id,x,y,z\n7.5,1,2,3\n"), ": the id 7.5 is not a whole number below 2^53");
+  EXPECT_EQ(complains("a.csv", "id,x,y,z\n7,1,2\n"), ":2: found 3 values; expected 4");
+  EXPECT_EQ(complains("a.csv", "a,b\n1,2\n"), ":1: found the header \"a,b\"; expected \"x,y,z\"");
+  EXPECT_EQ(complains("a.csv", "x,y,z\n"), ": holds no particles");
+  EXPECT_EQ(complains("a.xyz", ""), ": unknown kind of particle file; expected .vtk, .vtp, .vtu or .csv");
+  Particles odd = moved_block(kBodyMotion, 0);
+  odd.position[2] = Vec3(0, std::nan(""), 1);
+  EXPECT_EQ(complains("a.vtk", splishsplash_text(odd)),
+            ": the position of particle 11 is (0, nan, 1); it must be finite");
+  odd.position[2] = Vec3::Zero();
+  odd.velocity[1] = Vec3(0, 0, 1.0 / 0.0);
+  EXPECT_EQ(complains("a.vtk", splishsplash_text(odd)),
+            ": the velocity of particle 8 is (0, 0, inf); it must be finite");
+  EXPECT_THROW(read_input_frame(folder / "none.vtk"), IoError);
+}
+
+TEST_F(Sequence, PermutedIdsAreSorted) {
+  for (const int k : {0, 1, 2})
+    file(fmt::format("p_{}.vtk", k), splishsplash_text(permuted(moved_block(kBodyMotion, 0.1 * k), k)));
+  ParticleSequence sequence(series("p_*.vtk"), 10);
+  EXPECT_TRUE(sequence.matched());
+  EXPECT_EQ(sequence.velocity(), ParticleSequence::Velocity::given);
+  for (const int k : {0, 1, 2}) {
+    const Particles expected = moved_block(kBodyMotion, 0.1 * k), found = sequence.frame(k).particles;
+    EXPECT_EQ(found.id, expected.id);
+    EXPECT_DOUBLE_EQ(found.time, 0.1 * k);
+    for (std::size_t i = 0; i < expected.size(); ++i)
+      EXPECT_LT((found.position[i] - expected.position[i]).norm(), 1e-7);
+  }
+  for (const std::string& note : sequence.notes())
+    EXPECT_EQ(note.find("velocities and displacements fit"), std::string::npos) << "the rate is right";
+}
+
+TEST_F(Sequence, AWrongFrameRateIsNoticed) {
+  for (const int k : {0, 1, 2})
+    file(fmt::format("p_{}.vtk", k), splishsplash_text(moved_block({.velocity = {1, 0, 0}}, 0.1 * k)));
+  const std::vector<std::string> notes = ParticleSequence(series("p_*.vtk"), 25).notes();
+  EXPECT_EQ(std::ranges::count(notes, "velocities and displacements fit 10 frames a second, not 25"), 1);
+  EXPECT_EQ(complaint("p_*.vtk", std::nullopt),
+            "p: the files hold no times; say how many frames a second they are by --fps (velocities and "
+            "displacements fit 10)");
+}
+
+// x(t) = x0 + v t + a t^2/2 with another v and a for each particle, which a parabola follows exactly.
+TEST_F(Sequence, EstimatedVelocitiesAreExactForParabolas) {
+  const auto velocity = [](std::int64_t id, double t) {
+    return Vec3(1 + static_cast<double>(id), -0.5 * t, 2 * static_cast<double>(id) * t);
+  };
+  for (const int k : {0, 1, 2, 3}) {
+    Particles p;
+    for (const std::int64_t id : {4, 1, 3, 2}) {
+      if (id == 4 && k == 0) continue;  // appears at k = 1
+      const double t = 0.1 * k, d = static_cast<double>(id);
+      p.id.push_back(id);
+      p.position.emplace_back((1 + d) * t, -0.25 * t * t, d * t * t);
+      p.velocity.push_back(Vec3::Zero());
+    }
+    file(fmt::format("p_{}.csv", k), csv_text(p, true, false));
+  }
+  ParticleSequence sequence(series("p_*.csv"), 10);
+  EXPECT_EQ(sequence.velocity(), ParticleSequence::Velocity::estimated);
+  for (const int k : {0, 1, 2, 3}) {
+    const Particles p = sequence.frame(k).particles;
+    ASSERT_EQ(p.size(), k == 0 ? 3u : 4u);
+    for (std::size_t i = 0; i < p.size(); ++i) {
+      // The particle that appears at k = 1 is known in two of the frames around it: a line, right in its
+      // middle.
+      const double t = p.id[i] == 4 && k == 1 ? 0.15 : 0.1 * k;
+      EXPECT_LT((p.velocity[i] - velocity(p.id[i], t)).norm(), 1e-12) << k << " " << p.id[i];
+    }
+  }
+}
+
+TEST_F(Sequence, RepeatedIdsAreNoticedAndNotUsed) {
+  Particles body = moved_block(kBodyMotion, 0);
+  std::ranges::fill(body.id, 4294967295);
+  file("p_0.vtu", pysph_text(body));
+  file("p_1.vtu", pysph_text(body));
+  ParticleSequence sequence(series("p_*.vtu"), 10);
+  EXPECT_FALSE(sequence.matched());
+  EXPECT_EQ(sequence.velocity(), ParticleSequence::Velocity::given);
+  EXPECT_EQ(std::ranges::count(sequence.notes(), "ids \"gid\" cannot be used: " + path("p_0.vtu") +
+                                                     " has several particles with the id 4294967295"),
+            1);
+  const Particles first = sequence.frame(0).particles, second = sequence.frame(1).particles;
+  EXPECT_LT(first.id.back(), second.id.front()) << "no particle is taken for another";
+}
+
+TEST_F(Sequence, FramesThatDoNotFitTogetherAreSaid) {
+  const Particles body = moved_block(kBodyMotion, 0);
+  file("ids_0.csv", csv_text(body, true, false));
+  file("ids_1.csv", csv_text(body, false, false));
+  EXPECT_EQ(complaint("ids_*.csv"),
+            path("ids_1.csv") + ": has no ids; " + path("ids_0.csv") + " has them (\"id\")");
+  file("v_0.csv", csv_text(body, true, false));
+  file("v_1.csv", csv_text(body, true, true));
+  EXPECT_EQ(complaint("v_*.csv"),
+            path("v_0.csv") + ": has no velocities; " + path("v_1.csv") + " has them (\"vx, vy, vz\")");
+  for (const int k : {1, 2, 3, 5}) file(fmt::format("gap_{}.csv", k), csv_text(body, true, false));
+  EXPECT_EQ(complaint("gap_*.csv"), "a file is missing: " + path("gap_5.csv") + " comes after " +
+                                        path("gap_3.csv") + ", and elsewhere the number goes up by 1");
+  EXPECT_EQ(complaint("v_0*.csv"), path("v_0.csv") + " is one file; a sequence takes two or more");
+  for (const double time : {0.5, 0.25}) {
+    Particles at = body;
+    at.time = time;
+    const std::vector<double> weight(body.size(), 1);
+    write_vtp(folder / fmt::format("t_{}.vtp", time < 0.5 ? 1 : 0),
+              *particle_data({at, {}, {}, weight, 0.2}));
+  }
+  EXPECT_EQ(complaint("t_*.vtp"),
+            path("t_1.vtp") + ": its time, 0.25 s, is not after that of the file before, 0.5 s");
+}
+
+}  // namespace
+}  // namespace kappaflow

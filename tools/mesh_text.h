@@ -1,0 +1,31 @@
+// Meshes as OBJ and PLY files, for programs that do not read VTK's.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "core/named.h"
+#include "core/types.h"
+#include "tools/texture.h"
+
+namespace kappaflow {
+
+enum class MeshFormat { obj, ply };
+
+/// What the command line calls them, and how their files' names end.
+inline constexpr Named<MeshFormat> kMeshFormats[] = {{"obj", MeshFormat::obj}, {"ply", MeshFormat::ply}};
+
+/// A mesh with one entry a vertex in every array but the last.
+struct TexturedMesh {
+  std::span<const Vec3> position;  ///< [m]
+  std::span<const Vec3> normal;    ///< outward, of length 1
+  std::span<const Vec2> texture;   ///< texture coordinates in [0, 1]
+  std::span<const Rgb> colour;
+  std::span<const Triangle> triangles;
+};
+
+/// The bytes of a file. OBJ: text, with v (position and colour), vt, vn, and f v/vt/vn. PLY: binary,
+/// little-endian, with x y z, nx ny nz, s t, red green blue.
+std::string mesh_text(MeshFormat format, const TexturedMesh& mesh);
+
+}  // namespace kappaflow

@@ -1,0 +1,77 @@
+#include "tools/tracked_surfaces.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "core/errors.h"
+#include "surface/tracker/initial_mesh.h"
+
+namespace kappaflow {
+namespace {
+
+std::vector<SurfaceTracker> make_trackers(const Field& field, double sigma,
+                                          const SurfaceDescription& description, const std::string& source) {
+  const double edge_length = description.edge_length * sigma;
+  const TriangleMesh mesh = initial_mesh(field, edge_length, description.tracker.projection);
+  if (mesh.triangles.empty())
+    throw InvalidInput(
+        fmt::format("{}: the surface is empty: Eq. 12 stays below the threshold everywhere", source));
+  std::vector<SurfaceTracker> trackers;
+  trackers.reserve(description.methods.size());
+  for (const std::string& method : description.methods) {
+    TrackerOptions options = description.tracker;
+    options.method = method;
+    options.remeshing.edge_length = description.remesh ? edge_length : 0;
+    trackers.emplace_back(mesh, options);
+  }
+  return trackers;
+}
+
+}  // namespace
+
+ParticleFieldOptions field_options(const SurfaceDescription& description, double spacing,
+                                   std::span<const Vec3> liquid) {
+  ParticleFieldOptions options;
+  options.sigma = description.sigma * spacing;
+  options.weights = description.weights;
+  options.threshold = description.threshold.value_or(0);
+  if (!description.threshold) {
+    const std::vector<double> weights = field_weights(liquid, options.sigma, options.weights);
+    options.threshold = half_median_threshold(liquid, weights, options.sigma);
+  }
+  return options;
+}
+
+TrackedSurfaces::TrackedSurfaces(std::shared_ptr<const Field> field, const ParticleFieldOptions& options,
+                                 const SurfaceDescription& description, const std::string& source)
+    : options_(options),
+      field_(std::move(field)),
+      trackers_(make_trackers(*field_, options.sigma, description, source)),
+      tracers_(trackers_.front().mesh().position) {
+  take_since_frame();
+}
+
+void TrackedSurfaces::step(FieldMotion& motion) {
+  for (std::size_t m = 0; m < trackers_.size(); ++m) {
+    const TrackerStep step = trackers_[m].step(motion);
+    since_frame_.residual_max[m] = std::max(since_frame_.residual_max[m], step.residual_max);
+    since_frame_.seconds[m].velocity += step.velocity_seconds;
+    since_frame_.seconds[m].fairing += step.fairing_seconds;
+    since_frame_.seconds[m].remesh += step.remesh_seconds;
+  }
+  const Stopwatch watch;
+  tracers_.step(motion);
+  since_frame_.tracer_seconds += watch.seconds();
+  field_ = motion.at(motion.t1());
+}
+
+SurfacesSinceFrame TrackedSurfaces::take_since_frame() {
+  SurfacesSinceFrame fresh;
+  fresh.residual_max.assign(trackers_.size(), 0);
+  fresh.seconds.assign(trackers_.size(), {});
+  return std::exchange(since_frame_, std::move(fresh));
+}
+
+}  // namespace kappaflow
