@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <unistd.h>
 
 #include <cmath>
+
+#include "core/errors.h"
 
 namespace kappaflow {
 namespace {
@@ -92,6 +95,19 @@ std::string check_text(const Scene& scene, int threads) {
              cost.particles, cost.emitted > 0 ? fmt::format(", and {} from emitters", cost.emitted) : "",
              cost.boundary_particles, std::ceil(static_cast<double>(cost.memory_bytes) / 1e6),
              duration_text(cost.seconds), threads, threads == 1 ? "" : "s");
+}
+
+void require_memory(const Scene& scene, std::size_t available) {
+  const std::size_t needed = estimate(scene, 1).memory_bytes;
+  if (needed > available)
+    throw InvalidInput(fmt::format(
+        "{}: needs about {:.3g} GB of memory, there are {:.3g} GB; a larger "
+        "[fluid] spacing needs less",
+        scene.file.string(), static_cast<double>(needed) / 1e9, static_cast<double>(available) / 1e9));
+}
+
+std::size_t machine_memory() {
+  return static_cast<std::size_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
 }
 
 }  // namespace kappaflow

@@ -1,6 +1,7 @@
 // `kappaflow check`: what a scene says and what it will cost, without running it.
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 #include "scenes/scene.h"
@@ -9,5 +10,11 @@ namespace kappaflow {
 
 /// A readable summary of the scene with the estimate for this many threads.
 std::string check_text(const Scene& scene, int threads);
+
+/// Throws InvalidInput where the scene's estimate is more than `available` bytes of memory.
+void require_memory(const Scene& scene, std::size_t available);
+
+/// Of the machine [bytes].
+std::size_t machine_memory();
 
 }  // namespace kappaflow

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "scenes/wall_distance.h"
+#include "tools/check.h"
 #include "tools/data_files.h"
 #include "tools/frame_writer.h"
 #include "tools/metrics.h"
@@ -114,6 +115,7 @@ RunSummary run_scene(const RunOptions& options) {
         fmt::format("{}: no velocity method to track with; name one in [surface] methods or by "
                     "--track, \"material\" where only the liquid matters",
                     scene.file.string()));
+  require_memory(scene, machine_memory());
   RunFolder folder(folder_for(options), scene.surface.methods, options.force);
   Simulation simulation(scene);
   folder.write_record(run_record(options, scene, simulation));

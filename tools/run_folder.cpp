@@ -73,6 +73,11 @@ void make_room(const fs::path& folder, bool force) {
   }
 }
 
+fs::path made_folder(fs::path folder) {
+  make_folder(folder);
+  return folder;
+}
+
 }  // namespace
 
 std::string particle_file(int frame) {
@@ -88,7 +93,7 @@ std::string boundary_file(int frame) {
 }
 
 RunFolder::RunFolder(fs::path folder, std::vector<std::string> methods, bool force)
-    : folder_(std::move(folder)), methods_(std::move(methods)) {
+    : folder_(made_folder(std::move(folder))), lock_(folder_), methods_(std::move(methods)) {
   make_room(folder_, force);
   make_folder(folder_ / "particles");
   for (const std::string& method : methods_) make_folder(folder_ / ("surface-" + method));

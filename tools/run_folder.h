@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/folder_lock.h"
 #include "tools/mesh_text.h"
 
 namespace kappaflow {
@@ -25,8 +26,8 @@ struct FrameRows {
 class RunFolder {
  public:
   /// Makes the folder and its tables. Throws InvalidInput when the folder already holds a run (a run.json)
-  /// and `force` is not set (with it, the old run's files are removed, and nothing else), IoError when the
-  /// folder cannot be written.
+  /// and `force` is not set (with it, the old run's files are removed, and nothing else) or another run is
+  /// writing into it, IoError when the folder cannot be written.
   RunFolder(std::filesystem::path folder, std::vector<std::string> methods, bool force);
 
   const std::filesystem::path& path() const { return folder_; }
@@ -47,6 +48,7 @@ class RunFolder {
   void write_collections() const;
 
   std::filesystem::path folder_;
+  FolderLock lock_;
   std::vector<std::string> methods_;
   std::vector<double> times_;  // of the finished frames [s]
   bool has_boundary_ = false, boundary_moves_ = false;

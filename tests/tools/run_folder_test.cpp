@@ -110,6 +110,17 @@ TEST_F(RunFolderFiles, RefusesAUsedFolderUnlessForced) {
   EXPECT_EQ(bytes_of(folder / "surface-total/mine.txt"), "mine");
 }
 
+TEST_F(RunFolderFiles, TwoRunsIntoOneFolderAreRefused) {
+  {
+    RunFolder run(folder, {"total"}, false);
+    run.write_record("{}");
+    EXPECT_EQ(message_of<InvalidInput>([&] { RunFolder(folder, {"total"}, true); }),
+              "another run is writing into " + folder.string() + "; --out DIR writes elsewhere");
+    EXPECT_TRUE(fs::exists(folder / "run.json")) << "nothing of the first run is touched";
+  }
+  RunFolder(folder, {"total"}, true);  // once it has ended
+}
+
 TEST_F(RunFolderFiles, UnwritablePlaceIsAnIoError) {
   file("occupied", "a file");
   EXPECT_THROW(RunFolder(folder / "occupied", {}, false), IoError);
