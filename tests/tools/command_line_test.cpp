@@ -127,7 +127,7 @@ TEST_F(CommandLine, TrackSaysWhatItFoundAndRenderDrawsIt) {
   for (const char* part :
        {"ParticleData_Fluid: 3 files", "2160 particles\n", "matched by id (\"id\")",
         "velocities from \"velocity\"", "velocities and displacements fit 25 frames a second, not 30",
-        "spacing 0.063", "(measured)", "velocity regional\n"})
+        "spacing 0.06", "(measured)", "velocity regional\n"})
     EXPECT_NE(result.out.find(part), std::string::npos) << part << "\n" << result.out;
   EXPECT_TRUE(std::filesystem::exists(folder / "tracked/surface-regional/surface_0002.obj"));
   EXPECT_FALSE(std::filesystem::exists(folder / "tracked/surface-regional/surface_0002.ply"));
