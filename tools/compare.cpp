@@ -173,6 +173,15 @@ std::string markdown_text(const std::vector<std::vector<std::string>>& rows) {
   return text;
 }
 
+/// Whether there is anything to see: gnuplot complains about curves that are all one constant.
+bool changes(const Plot& plot) {
+  double least = std::numeric_limits<double>::infinity(), most = -least;
+  for (const Curve& curve : plot.curves)
+    for (const Vec2& point : curve.points)
+      if (!std::isnan(point.y())) least = std::min(least, point.y()), most = std::max(most, point.y());
+  return least < most;
+}
+
 void write_plots(const fs::path& folder, const std::vector<Series>& all) {
   for (const auto& [metric, best] : kMetrics) {
     Plot plot{std::string(metric), "t [s]", std::string(metric), {}};
@@ -182,7 +191,7 @@ void write_plots(const fs::path& folder, const std::vector<Series>& all) {
       for (std::size_t f = 0; f < time.size(); ++f) curve.points.emplace_back(time[f], values[f]);
       if (!std::isnan(median_of(values))) plot.curves.push_back(std::move(curve));
     }
-    if (!plot.curves.empty()) draw_plots(folder, std::string(metric), {&plot, 1});
+    if (changes(plot)) draw_plots(folder, std::string(metric), {&plot, 1});
   }
 }
 
