@@ -46,6 +46,8 @@ struct FreeGlob {
 std::vector<std::string> expanded(std::span<const std::string> patterns) {
   std::vector<std::string> files;
   for (const std::string& pattern : patterns) {
+    if (fs::is_directory(pattern))
+      throw InvalidInput(fmt::format("{0} is a folder; name the files in it, e.g. '{0}/*.vtk'", pattern));
     if (fs::exists(pattern)) {  // a name, whatever characters it has
       files.push_back(pattern);
       continue;

@@ -16,6 +16,7 @@
 #include "surface/motion/velocity.h"
 #include "tools/benchmark.h"
 #include "tools/check.h"
+#include "tools/compare.h"
 #include "tools/experiments/experiment.h"
 #include "tools/probe.h"
 #include "tools/render.h"
@@ -103,6 +104,7 @@ struct CommandLine {
   BenchmarkOptions benchmark;
   ProbeOptions probe;
   RenderOptions render;
+  CompareOptions compare;
   ExperimentOptions experiment;
   int threads = 0;  // 0: all cores
 };
@@ -279,6 +281,15 @@ CLI::App* add_render(CLI::App& app, CommandLine& line) {
   return render;
 }
 
+CLI::App* add_compare(CLI::App& app, CommandLine& line) {
+  CLI::App* compare = app.add_subcommand("compare", "Set the metrics of runs and methods side by side");
+  compare->add_option("DIR", line.compare.runs, "Run folders")->required();
+  compare->add_option("--out", line.compare.folder,
+                      "Folder for the table as CSV and Markdown, and a plot of each metric over time");
+  compare->footer(footer("kappaflow compare out/staircase out/tracked --out out/compared"));
+  return compare;
+}
+
 std::string experiment_lines() {
   std::string text = "Experiments:\n";
   for (const Experiment& experiment : experiments())
@@ -334,6 +345,7 @@ int execute(const CLI::App& app, CommandLine& line, char** argv) {
     fmt::print("{}", benchmark(line.benchmark));
   }
   if (app.got_subcommand("probe")) fmt::print("{}", probe(line.probe));
+  if (app.got_subcommand("compare")) fmt::print("{}", compare(line.compare));
   if (app.got_subcommand("render")) {
     ensure_display(argv);
     render(line.render);
@@ -354,9 +366,9 @@ int parse_and_execute(int argc, char** argv) {
   app.set_version_flag("--version", fmt::format("kappaflow {}\n{}", kVersion, build_description()));
   app.footer(footer("kappaflow run scenes/staircase.toml"));
   app.require_subcommand(1);
-  const std::vector<CLI::App*> commands{add_run(app, line),       add_track(app, line), add_check(app, line),
-                                        add_benchmark(app, line), add_probe(app, line), add_render(app, line),
-                                        add_experiment(app, line)};
+  const std::vector<CLI::App*> commands{
+      add_run(app, line),   add_track(app, line),  add_check(app, line),      add_benchmark(app, line),
+      add_probe(app, line), add_render(app, line), add_experiment(app, line), add_compare(app, line)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help_or_version) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <memory>
 #include <utility>
 
@@ -154,6 +155,8 @@ RunSummary track_sequence(const TrackOptions& options, ParticleSequence& sequenc
 
   RunFolder folder(folder_for(options, sequence), setup.surface.methods, options.force);
   folder.write_record(track_record(options, sequence, setup.surface, setup.field));
+  if (!options.quiet) fmt::print("{}", setup_text(sequence, setup, options));
+  std::fflush(stdout);
   OutputDescription output;
   output.checker_size = kCheckerSize;
   FrameWriter writer(output, surfaces, options.formats, folder);
@@ -203,7 +206,6 @@ int track(const TrackOptions& options) {
   ParticleSequence sequence(file_series(options.inputs), options.frames_per_second);
   const TrackSetup setup = make_setup(options, sequence, sequence.frame(0).particles);
   if (sequence.velocity() == ParticleSequence::Velocity::unknown) check_cloud_motion(sequence, setup.field);
-  if (!options.quiet) fmt::print("{}", setup_text(sequence, setup, options));
   const double setup_seconds = watch.seconds();
   RunSummary summary = track_sequence(options, sequence, setup, guard);
   summary.setup_seconds = setup_seconds;

@@ -57,6 +57,8 @@ TEST_F(CommandLine, MistakesAreOneLineAndExitCodeTwo) {
       {{"probe", "a.csv", "b.csv"}, 2, "--threshold is required"},
       {{"probe", "a.csv", "b.csv", "--threshold", "high"}, 2, "found \"high\"; expected a number"},
       {{"render", "out"}, 2, "--out is required"},
+      {{"compare"}, 2, "DIR is required"},
+      {{"compare", "/nowhere"}, 5, "/nowhere/metrics.csv: cannot be read"},
       {{"track"}, 2, "FILES is required; see kappaflow track --help"},
       {{"track", "a_*.vtk", "--fps", "0"}, 2, "--fps: found \"0\"; expected a number above 0"},
       {{"track", "a_*.vtk", "--sigma", "wide"}, 2, "--sigma: found \"wide\"; expected a number above 0"},
@@ -87,7 +89,7 @@ TEST_F(CommandLine, RefusesAUsedFolder) {
 }
 
 TEST_F(CommandLine, EveryHelpHasAnExampleAndTheExitCodes) {
-  for (const std::string command : {"run", "track", "check", "probe", "render"}) {
+  for (const std::string command : {"run", "track", "check", "probe", "render", "compare"}) {
     const ProgramResult result = run_program({command, "--help"});
     EXPECT_EQ(result.exit_code, 0);
     EXPECT_EQ(result.err, "");
@@ -95,7 +97,8 @@ TEST_F(CommandLine, EveryHelpHasAnExampleAndTheExitCodes) {
     EXPECT_NE(result.out.find("Exit codes:\n"), std::string::npos) << command;
   }
   const std::string help = run_program({"--help"}).out;
-  for (const std::string command : {"run", "track", "check", "probe", "render", "Example:", "Exit codes:"})
+  for (const std::string command :
+       {"run", "track", "check", "probe", "render", "compare", "Example:", "Exit codes:"})
     EXPECT_NE(help.find(command), std::string::npos);
   EXPECT_NE(run_program({"run", "--help"}).out.find("curvature-only"), std::string::npos)
       << "lists the methods";
@@ -127,7 +130,7 @@ TEST_F(CommandLine, TrackSaysWhatItFoundAndRenderDrawsIt) {
   for (const char* part :
        {"ParticleData_Fluid: 3 files", "2160 particles\n", "matched by id (\"id\")",
         "velocities from \"velocity\"", "velocities and displacements fit 25 frames a second, not 30",
-        "spacing 0.063", "(measured)", "velocity regional\n"})
+        "spacing 0.06", "(measured)", "velocity regional\n"})
     EXPECT_NE(result.out.find(part), std::string::npos) << part << "\n" << result.out;
   EXPECT_TRUE(std::filesystem::exists(folder / "tracked/surface-regional/surface_0002.obj"));
   EXPECT_FALSE(std::filesystem::exists(folder / "tracked/surface-regional/surface_0002.ply"));

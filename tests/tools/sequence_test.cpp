@@ -49,6 +49,8 @@ TEST_F(Sequence, FilesThatAreNoSeriesAreSaid) {
             std::string::npos);
   EXPECT_EQ(message_of<InvalidInput>([&] { series("lone_*.csv"); }),
             path("lone_1.csv") + " is one file; a sequence takes two or more");
+  EXPECT_EQ(message_of<InvalidInput>([&] { series(""); }),
+            path("") + " is a folder; name the files in it, e.g. '" + path("") + "/*.vtk'");
   EXPECT_EQ(message_of<IoError>([&] { series("none_*.csv"); }),
             path("none_*.csv") + ": there is no such file");
 }
