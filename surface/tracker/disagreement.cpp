@@ -55,8 +55,8 @@ std::vector<int> triangles_off_surface(const Field& field, const TriangleMesh& m
   return found;
 }
 
-std::vector<LatticeCell> cells_in_dispute(const Field& field, const TriangleMesh& mesh, SampledField& lattice,
-                                          double limit) {
+std::vector<LatticeCell> cells_in_dispute(const Field& field, const TriangleMesh& mesh, double limit,
+                                          SampledField& lattice) {
   field.sample(lattice);
   const std::vector<std::int8_t> winding = winding_numbers(mesh.position, mesh.triangles, lattice);
   const auto [nx, ny, nz] = lattice.dims;

@@ -25,7 +25,7 @@ std::vector<int> triangles_off_surface(const Field& field, const TriangleMesh& m
 /// The cells at points of the lattice that are inside the mesh and not the surface, or the reverse, and
 /// further than `limit` [m] from f = 0 as f and its central differences tell; and at those around which the
 /// mesh goes more than once, or backwards. Samples the field.
-std::vector<LatticeCell> cells_in_dispute(const Field& field, const TriangleMesh& mesh, SampledField& lattice,
-                                          double limit);
+std::vector<LatticeCell> cells_in_dispute(const Field& field, const TriangleMesh& mesh, double limit,
+                                          SampledField& lattice);
 
 }  // namespace kappaflow

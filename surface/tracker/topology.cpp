@@ -15,6 +15,7 @@ constexpr double kOffSurface = 0.5;        // distance of a triangle's centroid 
 constexpr double kDispute = 0.3;           // of a point of the lattice, in edge lengths
 constexpr int kCluster = 4;                // cells of a region are in blocks of so many that touch
 constexpr std::array kGrowth{2, 3, 4, 6};  // of a region, one entry a try [cells]
+constexpr int kPasses = 3;                 // after the first with wider regions
 
 /// Groups of cells whose blocks touch, each ascending; in the order of their first cells' blocks.
 std::vector<std::vector<LatticeCell>> regions_of(std::vector<LatticeCell> cells) {
@@ -71,11 +72,23 @@ void add_cells(const SampledField& lattice, const TriangleMesh& mesh, std::span<
 void finish(TriangleMesh& mesh, VertexFacts facts, VertexHistory& history) {
   std::vector<char> alive(mesh.vertex_count(), 0);
   for (const Triangle& t : mesh.triangles)
-    if (t != kRemovedTriangle)
-      for (const int v : t) alive[v] = 1;
+    for (const int v : t) alive[v] = 1;
   remove_dead(alive, mesh, history);
   history.keep(facts.gradient);
   history.keep(facts.mobility);
+}
+
+/// Where mesh and surface disagree; `whole`: by the lattice and by crossings, too.
+std::vector<LatticeCell> disagreements(const Field& field, const TriangleMesh& mesh, VertexFacts facts,
+                                       double edge_length, bool whole, SampledField& lattice) {
+  std::vector<LatticeCell> cells;
+  const double limit = kOffSurface * edge_length;
+  add_cells(lattice, mesh, triangles_off_surface(field, mesh, facts.gradient, limit), cells);
+  if (!whole) return cells;
+  add_cells(lattice, mesh, intersecting_triangles(mesh.position, mesh.triangles), cells);
+  const std::vector<LatticeCell> disputed = cells_in_dispute(field, mesh, kDispute * edge_length, lattice);
+  cells.insert(cells.end(), disputed.begin(), disputed.end());
+  return cells;
 }
 
 }  // namespace
@@ -86,26 +99,25 @@ TopologyCounts TopologyChange::change(const Field& field, const TopologyOptions&
   const double scale = field.length_scale();
   SampledField lattice =
       isosurface_lattice(field, scale > 0 ? std::min(edge_length, options.spacing * scale) : edge_length);
-  std::vector<LatticeCell> cells;
-  add_cells(lattice, mesh, triangles_off_surface(field, mesh, facts.gradient, kOffSurface * edge_length),
-            cells);
-  if (--steps_to_lattice_ <= 0) {
-    steps_to_lattice_ = options.lattice_interval;
-    add_cells(lattice, mesh, intersecting_triangles(mesh.position, mesh.triangles), cells);
-    const std::vector<LatticeCell> disputed = cells_in_dispute(field, mesh, lattice, kDispute * edge_length);
-    cells.insert(cells.end(), disputed.begin(), disputed.end());
-  }
-  if (cells.empty()) return {};
-
-  history_.vertices_at_start = static_cast<int>(mesh.vertex_count());
   const ReplacementSetting setting{field, lattice, edge_length, kOffSurface * edge_length,
                                    projection.tolerance * scale};
   RegionReplacement replacement(setting, mesh, facts);
-  for (const std::vector<LatticeCell>& region : regions_of(std::move(cells)))
-    if (std::ranges::none_of(kGrowth, [&](int growth) { return replacement.replace(region, growth); }))
-      ++replacement.counts.refused;
-  if (replacement.counts.replaced > 0) finish(mesh, facts, history_);
-  return replacement.counts;
+  TopologyCounts& counts = replacement.counts;
+  history_.vertices_at_start = static_cast<int>(mesh.vertex_count());
+  bool whole = --steps_to_lattice_ <= 0;
+  if (whole) steps_to_lattice_ = options.lattice_interval;
+  for (int pass = 0; pass < kPasses; ++pass) {
+    const std::vector<LatticeCell> cells = disagreements(field, mesh, facts, edge_length, whole, lattice);
+    if (cells.empty()) break;
+    counts.refused = 0;
+    for (const std::vector<LatticeCell>& region : regions_of(cells))
+      counts.refused += std::none_of(kGrowth.begin() + pass, kGrowth.end(),
+                                     [&](int growth) { return replacement.replace(region, growth); });
+    std::erase(mesh.triangles, kRemovedTriangle);
+    whole = true;
+  }
+  if (counts.replaced > 0) finish(mesh, facts, history_);
+  return counts;
 }
 
 }  // namespace kappaflow

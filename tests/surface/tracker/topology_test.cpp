@@ -93,25 +93,31 @@ class TrackedRun {
     project_all(now, {}, fresh.position, fresh.unprojected);
     const MeshTopology topology = mesh_topology(mesh.position, mesh.triangles),
                        expected = mesh_topology(fresh.position, fresh.triangles);
-    const bool same = topology.components == expected.components && topology.genus == expected.genus;
+    TriangleMesh fine_mesh = extract_isosurface(now, 0.08);
+    project_all(now, {}, fine_mesh.position, fine_mesh.unprojected);
+    const MeshTopology fine = mesh_topology(fine_mesh.position, fine_mesh.triangles);
+    const auto equal = [&](const MeshTopology& other) {
+      return topology.components == other.components && topology.genus == other.genus;
+    };
+    const bool same = equal(expected) || equal(fine);
     if (getenv("TOPO_VERBOSE"))
-      printf("%3d t %.3f  components %d/%d genus %d/%d  unprojected %ld  counts %zu %zu %zu %zu dist %.3f %.3f int %zu\n",
-             summary.steps, time_, topology.components, expected.components, topology.genus, expected.genus,
+      printf("%3d t %.3f  components %d/%d genus %d/%d fine %d %d  unprojected %ld  counts %zu %zu %zu %zu dist %.3f %.3f int %zu\n",
+             summary.steps, time_, topology.components, expected.components, topology.genus, expected.genus, fine.components, fine.genus,
              (long)std::ranges::count(mesh.unprojected, 1), summary.counts.replaced, summary.counts.refused,
              summary.counts.triangles_removed, summary.counts.vertices_born,
-             fresh.triangles.empty() || mesh.triangles.empty() ? 0 : distance(fresh, mesh),
-             fresh.triangles.empty() || mesh.triangles.empty() ? 0 : distance(mesh, fresh), self_intersections(mesh.position, mesh.triangles));
+             fresh.triangles.empty() || mesh.triangles.empty() ? 0 : distance(fine_mesh, mesh),
+             fresh.triangles.empty() || mesh.triangles.empty() ? 0 : distance(mesh, fine_mesh), self_intersections(mesh.position, mesh.triangles));
     summary.other_topology += !same;
     summary.intersecting += self_intersections(mesh.position, mesh.triangles) > 0;
     if (summary.seen.empty() || summary.seen.back().components != topology.components ||
         summary.seen.back().genus != topology.genus)
       summary.seen.push_back(topology);
     if (!same || mesh.triangles.empty()) return;
-    summary.distance_max = std::max({summary.distance_max, distance(fresh, mesh), distance(mesh, fresh)});
+    summary.distance_max = std::max({summary.distance_max, distance(fine_mesh, mesh), distance(mesh, fine_mesh)});
     const double volume = area_and_volume(mesh.position, mesh.triangles).volume;
     summary.volume_max = std::max(
         summary.volume_max,
-        std::abs(volume / area_and_volume(fresh.position, fresh.triangles).volume - 1));
+        std::abs(volume / area_and_volume(fine_mesh.position, fine_mesh.triangles).volume - 1));
   }
 
  public:
@@ -124,7 +130,7 @@ TrackerOptions following(const char* method) {
           .velocity = {.damping = 0.1, .speed_limit = 1},
           .fairing = {.iterations = 3},
           .remeshing = {.edge_length = kEdge},
-          .topology = {.follows_field = true}};
+          .topology = {.follows_field = true, .lattice_interval = getenv("TOPO_N") ? atoi(getenv("TOPO_N")) : 8}};
 }
 
 TEST(Topology, TwoDropsMergeAndPart) {
