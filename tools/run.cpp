@@ -92,7 +92,7 @@ class FrameWriter {
     for (std::size_t m = 0; m < simulation_.trackers().size(); ++m) {
       const Stopwatch watch;
       const std::string method(simulation_.trackers()[m].method().name);
-      const SurfaceMetrics metrics = write_surface(frame_metrics, m, since_frame.residual_max[m]);
+      const SurfaceMetrics metrics = write_surface(frame_metrics, m, since_frame);
       since_frame.seconds[m].output = shared_seconds + watch.seconds();
       rows.metrics += metrics_row(frame_metrics, method, metrics);
       rows.pieces += pieces_rows(frame_metrics, method, metrics);
@@ -132,7 +132,7 @@ class FrameWriter {
     folder_.write_particles(frame, *particle_data({particles, density, pressure, weight, options.sigma}));
   }
 
-  SurfaceMetrics write_surface(const FrameMetrics& frame, std::size_t m, double residual_since_frame) {
+  SurfaceMetrics write_surface(const FrameMetrics& frame, std::size_t m, const SinceFrame& since_frame) {
     const SurfaceTracker& tracker = simulation_.trackers()[m];
     const TriangleMesh& mesh = tracker.mesh();
     const SurfaceState state = surface_state(simulation_.field(), mesh, tracker.rings(), tracker.method(),
@@ -146,7 +146,9 @@ class FrameWriter {
 
     SurfaceMetrics metrics =
         surface_metrics(simulation_.field(), frame, mesh, tracker.rings(), state, scene_.output.report_axis);
-    metrics.residual_max = std::max(metrics.residual_max, residual_since_frame);
+    metrics.residual_max = std::max(metrics.residual_max, since_frame.residual_max[m]);
+    metrics.regions_replaced = since_frame.topology[m].replaced;
+    metrics.regions_refused = since_frame.topology[m].refused;
     metrics.tracer_distance = tracer_distance(mesh, simulation_.tracers(), sigma);
     metrics.kept_fraction =
         kept_share(mesh, {static_cast<std::int64_t>(initial_vertices_), initial_vertices_});
@@ -162,6 +164,7 @@ class FrameWriter {
   };
   /// The share of its vertices that the mesh still has.
   static double kept_share(const TriangleMesh& mesh, const Earlier& earlier) {
+    if (earlier.vertices == 0) return 1;
     return static_cast<double>(vertices_older_than(mesh, earlier.next_id)) /
            static_cast<double>(earlier.vertices);
   }

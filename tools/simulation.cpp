@@ -54,6 +54,7 @@ std::vector<SurfaceTracker> make_trackers(const Scene& scene, const Field& field
     TrackerOptions options = scene.surface.tracker;
     options.method = method;
     options.remeshing.edge_length = scene.surface.remesh ? scene.surface.edge_length * sigma : 0;
+    options.topology.follows_field = scene.surface.topology;
     trackers.emplace_back(mesh, options);
   }
   return trackers;
@@ -100,7 +101,9 @@ void Simulation::step_surfaces() {
     since_frame_.residual_max[m] = std::max(since_frame_.residual_max[m], step.residual_max);
     since_frame_.seconds[m].velocity += step.velocity_seconds;
     since_frame_.seconds[m].fairing += step.fairing_seconds;
+    since_frame_.seconds[m].topology += step.topology_seconds;
     since_frame_.seconds[m].remesh += step.remesh_seconds;
+    since_frame_.topology[m] += step.topology;
   }
   const Stopwatch watch;
   tracers_.step(motion);
@@ -112,6 +115,7 @@ void Simulation::step_surfaces() {
 SinceFrame Simulation::take_since_frame() {
   SinceFrame fresh;
   fresh.residual_max.assign(trackers_.size(), 0);
+  fresh.topology.assign(trackers_.size(), {});
   fresh.seconds.assign(trackers_.size(), {});
   return std::exchange(since_frame_, std::move(fresh));
 }

@@ -15,6 +15,7 @@ namespace kappaflow {
 struct SinceFrame {
   double density_error_mean = 0, density_error_max = 0;  ///< the largest of FluidStep's
   std::vector<double> residual_max;                      ///< the largest of TrackerStep's, one entry a method
+  std::vector<TopologyCounts> topology;                  ///< the sum of TrackerStep's, one entry a method
   std::vector<PhaseSeconds> seconds;                     ///< one entry a method
   double tracer_seconds = 0;                             ///< wall time of the material tracers
 };

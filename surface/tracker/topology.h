@@ -22,6 +22,14 @@ struct TopologyCounts {
   std::size_t refused = 0;            ///< regions where mesh and surface still disagree
   std::size_t triangles_removed = 0;  ///< in the former
   std::size_t vertices_born = 0;      ///< likewise
+
+  TopologyCounts& operator+=(const TopologyCounts& other) {
+    replaced += other.replaced;
+    refused += other.refused;
+    triangles_removed += other.triangles_removed;
+    vertices_born += other.vertices_born;
+    return *this;
+  }
 };
 
 /// Local replacement of the mesh by the isosurface, after Wojtan, Thuerey, Gross, Turk, "Deforming meshes
