@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kOffSurface = 0.5;        // distance of a triangle's centroid from f = 0, in edge lengths
 constexpr double kDispute = 0.3;           // of a point of the lattice, in edge lengths
-constexpr int kCluster = 4;                // cells of a region are in blocks of so many that touch
+constexpr int kCluster = 3;                // cells of a region are in blocks of so many that touch
 constexpr std::array kGrowth{2, 3, 4, 6};  // of a region, one entry a try [cells]
 constexpr int kPasses = 3;                 // after the first with wider regions
 
@@ -109,10 +109,12 @@ TopologyCounts TopologyChange::change(const Field& field, const TopologyOptions&
   for (int pass = 0; pass < kPasses; ++pass) {
     const std::vector<LatticeCell> cells = disagreements(field, mesh, facts, edge_length, whole, lattice);
     if (cells.empty()) break;
+    const std::size_t replaced_before = counts.replaced;
     counts.refused = 0;
     for (const std::vector<LatticeCell>& region : regions_of(cells))
       counts.refused += std::none_of(kGrowth.begin() + pass, kGrowth.end(),
                                      [&](int growth) { return replacement.replace(region, growth); });
+    if (counts.replaced == replaced_before) break;
     std::erase(mesh.triangles, kRemovedTriangle);
     whole = true;
   }
