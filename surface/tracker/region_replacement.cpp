@@ -14,7 +14,7 @@
 namespace kappaflow {
 namespace {
 
-constexpr double kGap = 0.5;         // between the mesh and the patch, in edge lengths
+constexpr double kGap = 0.25;        // between the mesh and the patch, in edge lengths
 constexpr double kSameSide = 0.2;    // least cosine between normals of one sheet
 constexpr double kSurroundings = 2;  // reach of the triangles that a replacement looks at, in edge lengths
 constexpr int kSidePadding = 2;      // cells between all that matters and the block's sides
@@ -27,11 +27,26 @@ bool has_vertex(const Triangle& t, std::span<const int> sorted_vertices) {
   return std::ranges::any_of(t, [&](int v) { return std::ranges::binary_search(sorted_vertices, v); });
 }
 
+/// The edges of loops, sorted.
+std::vector<std::pair<int, int>> edges_of(std::span<const std::vector<int>> loops) {
+  std::vector<std::pair<int, int>> edges;
+  for (const std::vector<int>& loop : loops)
+    for (std::size_t i = 0; i < loop.size(); ++i) edges.emplace_back(loop[i], loop[(i + 1) % loop.size()]);
+  std::ranges::sort(edges);
+  return edges;
+}
+
+/// How many of the triangle's edges run against one of the sorted edges.
+int edges_along(const Triangle& t, std::span<const std::pair<int, int>> edges) {
+  int along = 0;
+  for (int c = 0; c < 3; ++c) along += std::ranges::binary_search(edges, std::pair(t[(c + 1) % 3], t[c]));
+  return along;
+}
+
 /// Triangles by the cells of a grid that they come within `reach` of.
 class TriangleBins {
  public:
-  TriangleBins(const TriangleMesh& mesh, std::span<const int> triangles, double reach, double size)
-      : size_(size) {
+  TriangleBins(const TriangleMesh& mesh, std::span<const int> triangles, double reach) : size_(4 * reach) {
     for (const int t : triangles) {
       const auto& [a, b, c] = mesh.triangles[t];
       const Vec3 &x = mesh.position[a], &y = mesh.position[b], &z = mesh.position[c];
@@ -39,14 +54,15 @@ class TriangleBins {
                         last = cell(x.cwiseMax(y).cwiseMax(z).array() + reach);
       for (int k = first[2]; k <= last[2]; ++k)
         for (int j = first[1]; j <= last[1]; ++j)
-          for (int i = first[0]; i <= last[0]; ++i) entries_.push_back({{i, j, k}, t});
+          for (int i = first[0]; i <= last[0]; ++i) entries_.emplace_back(key({i, j, k}), t);
     }
     std::ranges::sort(entries_);
   }
 
+  /// Whether `test` holds for a triangle of x's cell.
   template <class Test>
-  bool any_of_near(const Vec3& x, const Test& test) const {
-    const LatticeCell at = cell(x);
+  bool any_near(const Vec3& x, const Test& test) const {
+    const std::uint64_t at = key(cell(x));
     auto entry = std::ranges::lower_bound(entries_, std::pair(at, -1));
     for (; entry != entries_.end() && entry->first == at; ++entry)
       if (test(entry->second)) return true;
@@ -58,8 +74,14 @@ class TriangleBins {
     const Vec3 c = (x / size_).array().floor();
     return {static_cast<int>(c[0]), static_cast<int>(c[1]), static_cast<int>(c[2])};
   }
+  /// 21 bits an axis; cells that share a key cost time only.
+  static std::uint64_t key(const LatticeCell& c) {
+    constexpr std::uint64_t kMask = (1u << 21) - 1;
+    return (static_cast<std::uint64_t>(c[0]) & kMask) << 42 |
+           (static_cast<std::uint64_t>(c[1]) & kMask) << 21 | (static_cast<std::uint64_t>(c[2]) & kMask);
+  }
   double size_;
-  std::vector<std::pair<LatticeCell, int>> entries_;
+  std::vector<std::pair<std::uint64_t, int>> entries_;
 };
 
 /// The connected piece of each vertex, as its smallest vertex.
@@ -125,7 +147,7 @@ bool RegionReplacement::replace(std::span<const LatticeCell> cells, int growth) 
   const Cells region(cells, growth);
   if (region.too_large()) return false;
   take_out(region);
-  if (!unpinch_removed()) return false;
+  if (!smooth_rim()) return false;
   const LocalIsosurface iso =
       local_isosurface(setting_.field, setting_.lattice, block_around(region), setting_.tolerance);
   cut_near_kept(iso);
@@ -184,17 +206,21 @@ std::vector<Triangle> RegionReplacement::triangles(std::span<const int> numbers)
   return result;
 }
 
-/// Takes more out until no vertex joins two loops of the hole's rim.
-bool RegionReplacement::unpinch_removed() {
+/// Takes more out until no vertex joins two loops of the hole's rim, and no triangle juts out into it.
+bool RegionReplacement::smooth_rim() {
+  bool pinched = true;
   for (int round = 0; round < kRounds; ++round) {
-    const std::vector<int> pinched = boundary_of(triangles(removed_)).pinched;
-    if (pinched.empty()) return true;
-    const auto moved = std::stable_partition(kept_.begin(), kept_.end(),
-                                             [&](int t) { return !has_vertex(mesh_.triangles[t], pinched); });
+    const Boundary rim = boundary_of(triangles(removed_));
+    pinched = !rim.pinched.empty();
+    const std::vector<std::pair<int, int>> edges = edges_of(rim.loops);
+    const auto moved = std::stable_partition(kept_.begin(), kept_.end(), [&](int t) {
+      return !has_vertex(mesh_.triangles[t], rim.pinched) && edges_along(mesh_.triangles[t], edges) < 2;
+    });
+    if (moved == kept_.end()) break;
     removed_.insert(removed_.end(), moved, kept_.end());
     kept_.erase(moved, kept_.end());
   }
-  return false;
+  return !pinched;
 }
 
 /// All that the patch may consist of, and some cells more.
@@ -220,11 +246,11 @@ LatticeBlock RegionReplacement::block_around(const Cells& region) const {
 /// The patch is what of the isosurface keeps a distance from the mesh that stays.
 void RegionReplacement::cut_near_kept(const LocalIsosurface& iso) {
   const double gap = kGap * setting_.edge_length;
-  const TriangleBins bins(mesh_, kept_, gap, setting_.edge_length);
+  const TriangleBins bins(mesh_, kept_, gap);
   std::vector<char> near(iso.position.size());
   parallel_for(near.size(), [&](std::size_t v) {
     const Vec3 normal = -iso.gradient[v].normalized();
-    near[v] = bins.any_of_near(iso.position[v], [&](int t) {
+    near[v] = bins.any_near(iso.position[v], [&](int t) {
       const std::array<Vec3, 3> at = corners(mesh_.triangles[t]);
       return (nearest_on_triangle(at, iso.position[v]).point - iso.position[v]).norm() <= gap &&
              (at[1] - at[0]).cross(at[2] - at[0]).normalized().dot(normal) > kSameSide;
@@ -377,7 +403,6 @@ void RegionReplacement::commit() {
   mesh_.triangles.insert(mesh_.triangles.end(), seams_.begin(), seams_.end());
   ++counts.replaced;
   counts.triangles_removed += removed_.size();
-  counts.vertices_born += mesh_.position.size() - first_new_;
 }
 
 void RegionReplacement::roll_back() {

@@ -33,7 +33,7 @@ class RegionReplacement {
   class Cells;
 
   void take_out(const Cells& region);
-  bool unpinch_removed();
+  bool smooth_rim();
   LatticeBlock block_around(const Cells& region) const;
   void cut_near_kept(const LocalIsosurface& iso);
   bool drop_foreign_pieces(const LocalIsosurface& iso, const Cells& region);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kOffSurface = 0.5;        // distance of a triangle's centroid from f = 0, in edge lengths
 constexpr double kDispute = 0.3;           // of a point of the lattice, in edge lengths
-constexpr int kCluster = 3;                // cells of a region are in blocks of so many that touch
+constexpr int kCluster = 2;                // cells of a region are in blocks of so many that touch
 constexpr std::array kGrowth{2, 3, 4, 6};  // of a region, one entry a try [cells]
 constexpr int kPasses = 3;                 // after the first with wider regions
 
@@ -118,7 +118,10 @@ TopologyCounts TopologyChange::change(const Field& field, const TopologyOptions&
     std::erase(mesh.triangles, kRemovedTriangle);
     whole = true;
   }
-  if (counts.replaced > 0) finish(mesh, facts, history_);
+  if (counts.replaced == 0) return counts;
+  finish(mesh, facts, history_);
+  const auto first_born = std::ranges::lower_bound(history_.number, history_.vertices_at_start);
+  counts.vertices_born = static_cast<std::size_t>(history_.number.end() - first_born);
   return counts;
 }
 
