@@ -78,17 +78,19 @@ void finish(TriangleMesh& mesh, VertexFacts facts, VertexHistory& history) {
   history.keep(facts.mobility);
 }
 
-/// Where mesh and surface disagree; `whole`: by the lattice and by crossings, too.
-std::vector<LatticeCell> disagreements(const Field& field, const TriangleMesh& mesh, VertexFacts facts,
-                                       double edge_length, bool whole, SampledField& lattice) {
-  std::vector<LatticeCell> cells;
+/// Where the triangles are not pieces of the surface.
+void add_cells_off_surface(const Field& field, const TriangleMesh& mesh, VertexFacts facts,
+                           double edge_length, const SampledField& lattice, std::vector<LatticeCell>& cells) {
   const double limit = kOffSurface * edge_length;
   add_cells(lattice, mesh, triangles_off_surface(field, mesh, facts.gradient, limit), cells);
-  if (!whole) return cells;
+}
+
+/// Where the mesh as a whole is not the surface's: by the lattice and by crossings.
+void add_cells_in_dispute(const Field& field, const TriangleMesh& mesh, double edge_length,
+                          SampledField& lattice, std::vector<LatticeCell>& cells) {
   add_cells(lattice, mesh, intersecting_triangles(mesh.position, mesh.triangles), cells);
   const std::vector<LatticeCell> disputed = cells_in_dispute(field, mesh, kDispute * edge_length, lattice);
   cells.insert(cells.end(), disputed.begin(), disputed.end());
-  return cells;
 }
 
 }  // namespace
@@ -104,10 +106,13 @@ TopologyCounts TopologyChange::change(const Field& field, const TopologyOptions&
   RegionReplacement replacement(setting, mesh, facts);
   TopologyCounts& counts = replacement.counts;
   history_.vertices_at_start = static_cast<int>(mesh.vertex_count());
-  bool whole = --steps_to_lattice_ <= 0;
+  const bool whole = --steps_to_lattice_ <= 0;
   if (whole) steps_to_lattice_ = options.lattice_interval;
   for (int pass = 0; pass < kPasses; ++pass) {
-    const std::vector<LatticeCell> cells = disagreements(field, mesh, facts, edge_length, whole, lattice);
+    std::vector<LatticeCell> cells;
+    // The lattice's slivers in patches are the remesher's to mend.
+    if (pass == 0) add_cells_off_surface(field, mesh, facts, edge_length, lattice, cells);
+    if (pass > 0 || whole) add_cells_in_dispute(field, mesh, edge_length, lattice, cells);
     if (cells.empty()) break;
     const std::size_t replaced_before = counts.replaced;
     counts.refused = 0;
@@ -116,7 +121,6 @@ TopologyCounts TopologyChange::change(const Field& field, const TopologyOptions&
                                      [&](int growth) { return replacement.replace(region, growth); });
     if (counts.replaced == replaced_before) break;
     std::erase(mesh.triangles, kRemovedTriangle);
-    whole = true;
   }
   if (counts.replaced == 0) return counts;
   finish(mesh, facts, history_);

@@ -21,7 +21,7 @@ struct TopologyCounts {
   std::size_t replaced = 0;           ///< regions that were replaced
   std::size_t refused = 0;            ///< regions where mesh and surface still disagree
   std::size_t triangles_removed = 0;  ///< in the former
-  std::size_t vertices_born = 0;      ///< of them those that stay
+  std::size_t vertices_born = 0;      ///< vertices that are new afterwards
 
   TopologyCounts& operator+=(const TopologyCounts& other) {
     replaced += other.replaced;
