@@ -10,6 +10,22 @@
 namespace kappaflow {
 namespace {
 
+constexpr double kFacing = 0.9;    // cosine to the sum of the corners' normals
+constexpr double kParallel = 2.7;  // length of that sum
+constexpr double kLongEdge = 4;    // in limits
+
+/// Whether the field is not to be asked: the triangle is small and all that is known at its corners, which
+/// are on the surface, fits.
+bool is_plainly_on_surface(std::span<const Vec3> position, std::span<const Vec3> gradient,
+                           const Triangle& triangle, double limit) {
+  const auto& [a, b, c] = triangle;
+  const Vec3 &x = position[a], &y = position[b], &z = position[c];
+  const double longest = std::max({(x - y).squaredNorm(), (y - z).squaredNorm(), (z - x).squaredNorm()});
+  const Vec3 normals = -gradient[a].normalized() - gradient[b].normalized() - gradient[c].normalized();
+  return longest < kLongEdge * kLongEdge * limit * limit && normals.norm() > kParallel &&
+         facing(x, y, z, normals) > kFacing;
+}
+
 /// Central differences of the samples at a point, one-sided at the lattice's rim [1/m].
 Vec3 sampled_gradient(const SampledField& samples, const LatticeCell& at) {
   const std::array<std::size_t, 3> stride{1, static_cast<std::size_t>(samples.dims[0]),
@@ -47,7 +63,8 @@ std::vector<int> triangles_off_surface(const Field& field, const TriangleMesh& m
   parallel_for(off.size(), [&](std::size_t t) {
     const Triangle& triangle = mesh.triangles[t];
     off[t] = std::ranges::any_of(triangle, [&](int v) { return mesh.unprojected[v] != 0; }) ||
-             is_off_surface(field, mesh.position, gradient, triangle, limit);
+             (!is_plainly_on_surface(mesh.position, gradient, triangle, limit) &&
+              is_off_surface(field, mesh.position, gradient, triangle, limit));
   });
   std::vector<int> found;
   for (int t = 0; t < static_cast<int>(off.size()); ++t)

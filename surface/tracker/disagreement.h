@@ -17,8 +17,9 @@ LatticeCell cell_of(const SampledField& lattice, const Vec3& x);
 bool is_off_surface(const Field& field, std::span<const Vec3> position, std::span<const Vec3> gradient,
                     const Triangle& triangle, double limit);
 
-/// The triangles for which is_off_surface() holds or a corner is not projected, ascending. gradient: of f at
-/// the vertices.
+/// The triangles for which is_off_surface() holds or a corner is not projected, ascending; but the
+/// field is not asked about small triangles along which the normals at the corners hardly turn. gradient: of
+/// f at the vertices.
 std::vector<int> triangles_off_surface(const Field& field, const TriangleMesh& mesh,
                                        std::span<const Vec3> gradient, double limit);
 
