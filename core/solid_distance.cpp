@@ -1,5 +1,5 @@
-// Nearest point on a triangle after Ericson, "Real-Time Collision Detection", 2005, section 5.1.5; the sign
-// after Baerentzen & Aanaes, "Signed distance computation using the angle weighted pseudonormal", 2005.
+// The sign after Baerentzen & Aanaes, "Signed distance computation using the angle weighted pseudonormal",
+// 2005.
 #include "core/solid_distance.h"
 
 #include <fmt/format.h>
@@ -13,40 +13,16 @@
 #include <utility>
 
 #include "core/errors.h"
+#include "core/nearest_on_triangle.h"
 
 namespace kappaflow {
 namespace {
 
+using enum NearestOnTriangle::Feature;
+
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kLeafTriangles = 4;
 constexpr std::size_t kMaxTreeDepth = 64;  // the median split halves the triangles, so 2^64 would fit
-
-/// The parts of a triangle that can be nearest; edge k runs from corner k to corner k + 1.
-enum Feature { corner_0, corner_1, corner_2, edge_0, edge_1, edge_2, face };
-
-struct Nearest {
-  Vec3 point;
-  Feature feature;
-};
-
-Nearest nearest_on_triangle(const std::array<Vec3, 3>& triangle, const Vec3& x) {
-  const auto& [a, b, c] = triangle;
-  const Vec3 ab = b - a, ac = c - a, ax = x - a, bx = x - b, cx = x - c;
-  const double d1 = ab.dot(ax), d2 = ac.dot(ax);
-  if (d1 <= 0 && d2 <= 0) return {a, corner_0};
-  const double d3 = ab.dot(bx), d4 = ac.dot(bx);
-  if (d3 >= 0 && d4 <= d3) return {b, corner_1};
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) return {a + d1 / (d1 - d3) * ab, edge_0};
-  const double d5 = ab.dot(cx), d6 = ac.dot(cx);
-  if (d6 >= 0 && d5 <= d6) return {c, corner_2};
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) return {a + d2 / (d2 - d6) * ac, edge_2};
-  const double va = d3 * d6 - d5 * d4;
-  if (va <= 0 && d4 >= d3 && d5 >= d6) return {b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b), edge_1};
-  const double scale = 1 / (va + vb + vc);
-  return {a + vb * scale * ab + vc * scale * ac, face};
-}
 
 double angle_at(const Vec3& corner, const Vec3& p, const Vec3& q) {
   const Vec3 u = p - corner, v = q - corner;

@@ -78,8 +78,10 @@ struct SurfaceDescription {
   /// To track with, from velocity_methods(); may be empty.
   std::vector<std::string> methods{"material"};
   bool remesh = true;      ///< whether the mesh's connectivity follows the surface
-  TrackerOptions tracker;  ///< method is set from `methods`; remeshing.edge_length from edge_length and sigma
-  int stride = 1;          ///< solver steps per tracker step; a frame always ends one
+  bool topology = true;    ///< and whether its topology does
+  TrackerOptions tracker;  ///< method is set from `methods`; remeshing.edge_length from edge_length and
+                           ///< sigma, topology.follows_field from `topology`
+  int stride = 1;  ///< solver steps per tracker step; a frame always ends one
 };
 
 enum class TextureProjection { planar, spherical, box };

@@ -310,6 +310,7 @@ void read_surface(TomlTable t, SurfaceDescription& surface) {
   surface.methods = t.names("methods", methods, surface.methods);
   surface.stride = t.integer("stride", 1, kMaxIterations, surface.stride);
   surface.remesh = t.flag("remesh", surface.remesh);
+  surface.topology = t.flag("topology", surface.topology);
   read_tracker(t, surface.tracker);
   t.finish();
 }

@@ -28,7 +28,7 @@ void FrameWriter::write(FrameMetrics metrics, const ParticleFrame& particles, Su
   for (std::size_t m = 0; m < surfaces_.trackers().size(); ++m) {
     const Stopwatch surface_watch;
     const std::string method(surfaces_.trackers()[m].method().name);
-    const SurfaceMetrics surface = write_surface(metrics, m, since_frame.residual_max[m]);
+    const SurfaceMetrics surface = write_surface(metrics, m, since_frame);
     since_frame.seconds[m].output = shared_seconds + surface_watch.seconds();
     rows.metrics += metrics_row(metrics, method, surface);
     rows.pieces += pieces_rows(metrics, method, surface);
@@ -40,7 +40,7 @@ void FrameWriter::write(FrameMetrics metrics, const ParticleFrame& particles, Su
 }
 
 SurfaceMetrics FrameWriter::write_surface(const FrameMetrics& frame, std::size_t m,
-                                          double residual_since_frame) {
+                                          const SurfacesSinceFrame& since_frame) {
   const SurfaceTracker& tracker = surfaces_.trackers()[m];
   const TriangleMesh& mesh = tracker.mesh();
   const Field& field = surfaces_.field();
@@ -56,7 +56,9 @@ SurfaceMetrics FrameWriter::write_surface(const FrameMetrics& frame, std::size_t
                        mesh_text(format, {mesh.position, state.normal, texture, checker, mesh.triangles}));
 
   SurfaceMetrics metrics = surface_metrics(field, frame, mesh, tracker.rings(), state, output_.report_axis);
-  metrics.residual_max = std::max(metrics.residual_max, residual_since_frame);
+  metrics.residual_max = std::max(metrics.residual_max, since_frame.residual_max[m]);
+  metrics.regions_replaced = since_frame.topology[m].replaced;
+  metrics.regions_refused = since_frame.topology[m].refused;
   metrics.tracer_distance = tracer_distance(mesh, surfaces_.tracers(), sigma);
   metrics.kept_fraction = kept_share(mesh, first_);
   metrics.kept_since_frame = kept_share(mesh, last_frame_[m]);
@@ -66,6 +68,7 @@ SurfaceMetrics FrameWriter::write_surface(const FrameMetrics& frame, std::size_t
 
 /// The share of its vertices that the mesh still has.
 double FrameWriter::kept_share(const TriangleMesh& mesh, const Earlier& earlier) {
+  if (earlier.vertices == 0) return 1;
   return static_cast<double>(vertices_older_than(mesh, earlier.next_id)) /
          static_cast<double>(earlier.vertices);
 }

@@ -34,7 +34,8 @@ class FrameWriter {
   };
   static double kept_share(const TriangleMesh& mesh, const Earlier& earlier);
 
-  SurfaceMetrics write_surface(const FrameMetrics& frame, std::size_t m, double residual_since_frame);
+  SurfaceMetrics write_surface(const FrameMetrics& frame, std::size_t m,
+                               const SurfacesSinceFrame& since_frame);
 
   const OutputDescription& output_;
   const TrackedSurfaces& surfaces_;

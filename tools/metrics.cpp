@@ -97,7 +97,7 @@ std::string metrics_header() {
          "distance,"
          "components,genus,isosurface_components,isosurface_genus,kept_fraction,unprojected,folded_"
          "fraction,angles_outside,self_intersections,texture_jump,texture_cracks,kept_since_frame,"
-         "surface_without_mesh,mesh_without_surface\n";
+         "surface_without_mesh,mesh_without_surface,regions_replaced,regions_refused\n";
 }
 
 std::string metrics_row(const FrameMetrics& f, const std::string& method, const SurfaceMetrics& s) {
@@ -111,9 +111,9 @@ std::string metrics_row(const FrameMetrics& f, const std::string& method, const 
                      optional_number(s.rotation_captured), optional_number(s.tracer_distance),
                      s.topology.components, s.topology.genus, f.isosurface.components, f.isosurface.genus,
                      s.kept_fraction, s.unprojected, s.folded_fraction) +
-         fmt::format("{:.12g},{},{:.12g},{:.12g},{:.12g},{:.12g},{:.12g}\n", s.angles_outside,
+         fmt::format("{:.12g},{},{:.12g},{:.12g},{:.12g},{:.12g},{:.12g},{},{}\n", s.angles_outside,
                      s.self_intersections, s.texture.mean, s.texture.cracks, s.kept_since_frame,
-                     s.surface_without_mesh, s.mesh_without_surface);
+                     s.surface_without_mesh, s.mesh_without_surface, s.regions_replaced, s.regions_refused);
 }
 
 std::string pieces_header() {

@@ -48,6 +48,8 @@ struct SurfaceMetrics {
   std::size_t self_intersections = 0;  ///< see self_intersections()
   TextureJumps texture;                ///< see texture_jumps()
   double kept_since_frame = 1;         ///< share of the last frame's vertices that the mesh still has
+  std::size_t regions_replaced = 0;    ///< TopologyCounts::replaced since the last frame
+  std::size_t regions_refused = 0;     ///< likewise
   double surface_without_mesh = 0;     ///< largest distance from the fresh isosurface to the mesh [sigma]
   double mesh_without_surface = 0;     ///< largest distance from the mesh to the isosurface [sigma]
 
@@ -75,7 +77,8 @@ void measure_isosurface(const Field& field, double sigma, FrameMetrics& metrics)
 /// Field::length_scale().
 double surface_residual(const Field& field, const TriangleMesh& mesh);
 
-/// Everything that mesh and state say; tracer_distance, kept_fraction and kept_since_frame are the caller's.
+/// Everything that mesh and state say; tracer_distance, kept_fraction, kept_since_frame and
+/// regions_* are the caller's.
 SurfaceMetrics surface_metrics(const Field& field, const FrameMetrics& frame, const TriangleMesh& mesh,
                                const VertexRings& rings, const SurfaceState& state, const Vec3& report_axis);
 

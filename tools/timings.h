@@ -13,6 +13,7 @@ struct PhaseSeconds {
   double solver = 0;    ///< the liquid; the same for every method
   double velocity = 0;  ///< velocities and advection
   double fairing = 0;   ///< fairing and projection
+  double topology = 0;  ///< changes of the mesh's topology
   double remesh = 0;    ///< edits of the mesh
   double output = 0;    ///< metrics and files
 };

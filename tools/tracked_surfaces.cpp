@@ -24,6 +24,7 @@ std::vector<SurfaceTracker> make_trackers(const Field& field, double sigma,
     TrackerOptions options = description.tracker;
     options.method = method;
     options.remeshing.edge_length = description.remesh ? edge_length : 0;
+    options.topology.follows_field = description.topology;
     trackers.emplace_back(mesh, options);
   }
   return trackers;
@@ -59,7 +60,9 @@ void TrackedSurfaces::step(FieldMotion& motion) {
     since_frame_.residual_max[m] = std::max(since_frame_.residual_max[m], step.residual_max);
     since_frame_.seconds[m].velocity += step.velocity_seconds;
     since_frame_.seconds[m].fairing += step.fairing_seconds;
+    since_frame_.seconds[m].topology += step.topology_seconds;
     since_frame_.seconds[m].remesh += step.remesh_seconds;
+    since_frame_.topology[m] += step.topology;
   }
   const Stopwatch watch;
   tracers_.step(motion);
@@ -70,6 +73,7 @@ void TrackedSurfaces::step(FieldMotion& motion) {
 SurfacesSinceFrame TrackedSurfaces::take_since_frame() {
   SurfacesSinceFrame fresh;
   fresh.residual_max.assign(trackers_.size(), 0);
+  fresh.topology.assign(trackers_.size(), {});
   fresh.seconds.assign(trackers_.size(), {});
   return std::exchange(since_frame_, std::move(fresh));
 }

@@ -15,9 +15,10 @@ namespace kappaflow {
 
 /// What happened to the surfaces since the last frame.
 struct SurfacesSinceFrame {
-  std::vector<double> residual_max;   ///< the largest of TrackerStep's, one entry a method
-  std::vector<PhaseSeconds> seconds;  ///< one entry a method
-  double tracer_seconds = 0;          ///< wall time of the material tracers
+  std::vector<double> residual_max;      ///< the largest of TrackerStep's, one entry a method
+  std::vector<TopologyCounts> topology;  ///< the sum of TrackerStep's, one entry a method
+  std::vector<PhaseSeconds> seconds;     ///< one entry a method
+  double tracer_seconds = 0;             ///< wall time of the material tracers
 };
 
 /// The field that a description asks for. spacing: of the particles [m]; liquid: what a threshold that is not

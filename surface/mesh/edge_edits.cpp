@@ -6,15 +6,9 @@
 #include "core/errors.h"
 
 namespace kappaflow {
-namespace {
-
-constexpr Triangle kRemoved{-1, -1, -1};
-
-}  // namespace
-
 void EdgeEdits::start(TriangleMesh& mesh) {
   mesh_ = &mesh;
-  vertices_at_start_ = static_cast<int>(mesh.vertex_count());
+  history_.vertices_at_start = static_cast<int>(mesh.vertex_count());
   out_.assign(mesh.vertex_count(), -1);
   mark_.assign(mesh.vertex_count(), 0);
   question_ = 0;
@@ -45,19 +39,9 @@ void EdgeEdits::set_twins() {
 }
 
 void EdgeEdits::finish() {
-  number_before_.clear();
-  renumbered_.resize(out_.size());
-  for (int v = 0; v < static_cast<int>(out_.size()); ++v) {
-    renumbered_[v] = static_cast<int>(number_before_.size());
-    if (is_alive(v)) number_before_.push_back(v);
-  }
-  keep(mesh_->position);
-  keep(mesh_->rest_position);
-  keep(mesh_->unprojected);
-  keep(mesh_->id);
-  std::erase(mesh_->triangles, kRemoved);
-  for (Triangle& triangle : mesh_->triangles)
-    for (int& v : triangle) v = renumbered_[v];
+  alive_.resize(out_.size());
+  for (std::size_t v = 0; v < out_.size(); ++v) alive_[v] = out_[v] >= 0;
+  remove_dead(alive_, *mesh_, history_);
   mesh_ = nullptr;
 }
 
@@ -137,8 +121,8 @@ void EdgeEdits::collapse(int h) {
   for_each_out(u, [&](int out) { mesh_->triangles[out / 3][out % 3] = v; });
   link(va, au);
   link(ub, bv);
-  mesh_->triangles[h / 3] = kRemoved;
-  mesh_->triangles[t / 3] = kRemoved;
+  mesh_->triangles[h / 3] = kRemovedTriangle;
+  mesh_->triangles[t / 3] = kRemovedTriangle;
   out_[u] = -1;
   out_[v] = au;
   out_[a] = va;

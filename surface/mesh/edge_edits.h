@@ -76,16 +76,8 @@ class EdgeEdits {
   /// Puts a new vertex in place of v. Returns it.
   int replace(int v, const VertexBlend& attributes, const Vec3& x);
 
-  /// After finish(): the number that each vertex had before it; those below vertices_at_start() were there at
-  /// start().
-  std::span<const int> number_before() const { return number_before_; }
-  int vertices_at_start() const { return vertices_at_start_; }
-  /// After finish(): the same for any array over the vertices.
-  template <class T>
-  void keep(std::vector<T>& values) const {
-    for (std::size_t v = 0; v < number_before_.size(); ++v) values[v] = values[number_before_[v]];
-    values.resize(number_before_.size());
-  }
+  /// After finish(): what became of the vertices.
+  const VertexHistory& history() const { return history_; }
 
  private:
   void link(int h, int twin);
@@ -98,9 +90,9 @@ class EdgeEdits {
   std::vector<int> out_;   // a half-edge that starts at the vertex; -1 where it is gone
   std::vector<std::uint32_t> mark_;  // of each vertex: the question it was last marked for
   std::uint32_t question_ = 0;
-  std::vector<int> number_before_, renumbered_;
+  VertexHistory history_;
+  std::vector<char> alive_;
   std::vector<int> start_, outgoing_;  // scratch of set_twins()
-  int vertices_at_start_ = 0;
 };
 
 }  // namespace kappaflow

@@ -27,22 +27,7 @@ constexpr double kMostPoints = 2147483648.0;  // 2^31
 // Share of the largest |f| of a plane below which a sample counts as this far from zero: a sample of exactly
 // zero would put several vertices on the same lattice point.
 constexpr float kSmallestSample = 1e-6f;
-
-/// The lattice over the field's bounds, padded so that its outermost points have f < 0.
-SampledField lattice(const Field& field, double spacing) {
-  const Bounds bounds = field.bounds();
-  SampledField samples;
-  samples.spacing = spacing;
-  if (bounds.empty()) return samples;
-  samples.origin = bounds.lower - Vec3::Constant(spacing);
-  const Vec3 points = ((bounds.upper - bounds.lower) / spacing).array().ceil() + 3;
-  if (!(points.prod() <= kMostPoints))
-    throw InvalidInput(
-        fmt::format("an isosurface at spacing {} m needs {:.3g} lattice points; at most 2^31 are allowed",
-                    spacing, points.prod()));
-  for (int a = 0; a < 3; ++a) samples.dims[a] = static_cast<int>(points[a]);
-  return samples;
-}
+constexpr int kFalsePositions = 40;  // evaluations on an edge at most
 
 /// Plane by plane, so that a plane which two slabs share gets the same values in both.
 void move_off_zero(SampledField& samples) {
@@ -79,6 +64,17 @@ vtkNew<vtkPolyData> flying_edges(SampledField& samples) {
   return surface;
 }
 
+template <class Visit>
+void for_each_triangle(vtkPolyData& surface, const Visit& visit) {
+  const auto cells = vtk::TakeSmartPointer(surface.GetPolys()->NewIterator());
+  vtkIdType corners = 0;
+  const vtkIdType* v = nullptr;
+  for (cells->GoToFirstCell(); !cells->IsDoneWithTraversal(); cells->GoToNextCell()) {
+    cells->GetCurrentCell(corners, v);
+    visit({static_cast<int>(v[0]), static_cast<int>(v[1]), static_cast<int>(v[2])});
+  }
+}
+
 /// Sews the surfaces of slabs together that follow one another and share a plane.
 class Seam {
  public:
@@ -96,7 +92,10 @@ class Seam {
         position.push_back(samples.origin + samples.spacing * Vec3(x[0], x[1], samples.first_plane + x[2]));
       if (x[2] == last) top.emplace(in_plane, index[v]);
     }
-    add_triangles(surface, index);
+    for_each_triangle(surface, [&](const Triangle& t) {
+      triangles.push_back({index[static_cast<std::size_t>(t[0])], index[static_cast<std::size_t>(t[1])],
+                           index[static_cast<std::size_t>(t[2])]});
+    });
     bottom_ = std::move(top);
   }
 
@@ -107,26 +106,30 @@ class Seam {
   /// By coordinates in the plane, in units of the spacing. Both slabs compute them from the same samples.
   using PlaneVertices = std::map<std::pair<double, double>, int>;
 
-  void add_triangles(vtkPolyData& surface, const std::vector<int>& index) {
-    const auto cells = vtk::TakeSmartPointer(surface.GetPolys()->NewIterator());
-    vtkIdType corners = 0;
-    const vtkIdType* v = nullptr;
-    for (cells->GoToFirstCell(); !cells->IsDoneWithTraversal(); cells->GoToNextCell()) {
-      cells->GetCurrentCell(corners, v);
-      triangles.push_back({index[static_cast<std::size_t>(v[0])], index[static_cast<std::size_t>(v[1])],
-                           index[static_cast<std::size_t>(v[2])]});
-    }
-  }
-
   PlaneVertices bottom_;
 };
 
 }  // namespace
 
+SampledField isosurface_lattice(const Field& field, double spacing) {
+  const Bounds bounds = field.bounds();
+  SampledField samples;
+  samples.spacing = spacing;
+  if (bounds.empty()) return samples;
+  samples.origin = bounds.lower - Vec3::Constant(spacing);
+  const Vec3 points = ((bounds.upper - bounds.lower) / spacing).array().ceil() + 3;
+  if (!(points.prod() <= kMostPoints))
+    throw InvalidInput(
+        fmt::format("an isosurface at spacing {} m needs {:.3g} lattice points; at most 2^31 are allowed",
+                    spacing, points.prod()));
+  for (int a = 0; a < 3; ++a) samples.dims[a] = static_cast<int>(points[a]);
+  return samples;
+}
+
 TriangleMesh extract_isosurface(const Field& field, double spacing, std::size_t points_at_once) {
   if (!(spacing > 0) || !std::isfinite(spacing))
     throw InvalidInput(fmt::format("the spacing of an isosurface is {} m; it must be positive", spacing));
-  SampledField samples = lattice(field, spacing);
+  SampledField samples = isosurface_lattice(field, spacing);
   const int planes = samples.dims[2];
   if (planes == 0) return {};
   const std::size_t plane = static_cast<std::size_t>(samples.dims[0]) * samples.dims[1];
@@ -140,6 +143,80 @@ TriangleMesh extract_isosurface(const Field& field, double spacing, std::size_t 
     seam.add(*surface, samples);
   }
   return make_triangle_mesh(std::move(seam.position), std::move(seam.triangles));
+}
+
+namespace {
+
+struct LatticeVertex {
+  Vec3 position, gradient;
+  bool exact;
+};
+
+/// f = 0 between two points of an edge, by false position; where float and double precision differ about the
+/// sign at one end, that end.
+LatticeVertex find_on_edge(const Field& field, const Vec3& from, const Vec3& to, double tolerance) {
+  std::array<Vec3, 2> end{from, to};
+  std::array<double, 2> f{field.value_and_gradient(from).f, field.value_and_gradient(to).f};
+  Vec3 x = std::abs(f[0]) < std::abs(f[1]) ? from : to;
+  ValueAndGradient at = field.value_and_gradient(x);
+  const auto exact = [&] { return std::abs(at.f) <= tolerance * at.g.norm(); };
+  for (int i = 0, last = -1; i < kFalsePositions && f[0] * f[1] < 0 && (i == 0 || !exact()); ++i) {
+    x = (f[1] * end[0] - f[0] * end[1]) / (f[1] - f[0]);
+    at = field.value_and_gradient(x);
+    const int side = (at.f > 0) == (f[0] > 0) ? 0 : 1;
+    end[side] = x;
+    f[side] = at.f;
+    if (side == last) f[1 - side] *= 0.5;
+    last = side;
+  }
+  return {x, at.g, exact()};
+}
+
+/// Moves the extractor's vertices, in units of the spacing, onto f = 0 along the lattice's edges.
+void place_vertices(const Field& field, vtkPolyData& surface, const SampledField& samples, double tolerance,
+                    LocalIsosurface& result) {
+  const auto n = static_cast<std::size_t>(surface.GetNumberOfPoints());
+  result.position.resize(n);
+  result.gradient.resize(n);
+  result.exact.resize(n);
+  result.at_side.resize(n);
+  const Vec3 dims(samples.dims[0] - 1, samples.dims[1] - 1, samples.dims[2] - 1);
+  std::vector<Vec3> from(n), to(n);
+  for (std::size_t v = 0; v < n; ++v) {
+    Vec3 x;
+    surface.GetPoint(static_cast<vtkIdType>(v), x.data());
+    const Vec3 lower = x.array().floor(), upper = x.array().ceil(), first(0, 0, samples.first_plane);
+    from[v] = samples.origin + samples.spacing * (first + lower);
+    to[v] = samples.origin + samples.spacing * (first + upper);
+    result.at_side[v] = (x.array() == 0).any() || (x.array() == dims.array()).any();
+  }
+  parallel_for(
+      n,
+      [&](std::size_t v) {
+        const LatticeVertex found = find_on_edge(field, from[v], to[v], tolerance);
+        result.position[v] = found.position;
+        result.gradient[v] = found.gradient;
+        result.exact[v] = found.exact;
+      },
+      16);
+}
+
+}  // namespace
+
+LocalIsosurface local_isosurface(const Field& field, const SampledField& lattice, const LatticeBlock& block,
+                                 double tolerance) {
+  SampledField samples;
+  samples.spacing = lattice.spacing;
+  samples.origin = lattice.origin + lattice.spacing * Vec3(block.first[0], block.first[1], 0);
+  samples.first_plane = block.first[2];
+  for (int a = 0; a < 3; ++a) samples.dims[a] = block.last[a] - block.first[a] + 1;
+  field.sample(samples);
+  move_off_zero(samples);
+  const vtkNew<vtkPolyData> surface = flying_edges(samples);
+  LocalIsosurface result;
+  place_vertices(field, *surface, samples, tolerance, result);
+  for_each_triangle(*surface, [&](const Triangle& triangle) { result.triangles.push_back(triangle); });
+  return result;
 }
 
 }  // namespace kappaflow

@@ -14,4 +14,29 @@ namespace kappaflow {
 TriangleMesh extract_isosurface(const Field& field, double spacing,
                                 std::size_t points_at_once = std::size_t{1} << 24);
 
+/// The lattice of extract_isosurface(), without values: over the field's bounds, padded so that its outermost
+/// points have f < 0. No points where the bounds are empty. Throws as that does.
+SampledField isosurface_lattice(const Field& field, double spacing);
+
+/// Points of a lattice from `first` to `last`, both included, and the cells between them.
+struct LatticeBlock {
+  std::array<int, 3> first{0, 0, 0}, last{-1, -1, -1};
+};
+
+/// The part of f = 0 in a block of a lattice; open where it leaves the block. One entry a vertex but for
+/// triangles.
+struct LocalIsosurface {
+  std::vector<Vec3> position;  ///< [m]
+  std::vector<Vec3> gradient;  ///< grad f there [1/m]
+  std::vector<char> exact;     ///< 1 where |f|/|g| is below the tolerance
+  std::vector<char> at_side;   ///< 1 on the block's sides
+  std::vector<Triangle> triangles;
+};
+
+/// Vertices lie on the lattice's edges, where the false position method (Illinois) finds f = 0 to
+/// `tolerance` [m]: unlike Eq. 11 it succeeds also where surfaces are about to merge or to part and the
+/// gradient vanishes. lattice: as isosurface_lattice() makes it.
+LocalIsosurface local_isosurface(const Field& field, const SampledField& lattice, const LatticeBlock& block,
+                                 double tolerance);
+
 }  // namespace kappaflow

@@ -154,13 +154,19 @@ TriangleDistortion triangle_distortion(std::span<const Vec3> position, std::span
           sums.area_ratio_max};
 }
 
+double facing(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& normal_sum) {
+  const Vec3 area = (b - a).cross(c - a);
+  const double size = area.norm() * normal_sum.norm();
+  return size > 0 ? area.dot(normal_sum) / size : -1;
+}
+
 double folded_fraction(std::span<const Vec3> position, std::span<const Vec3> normal,
                        std::span<const Triangle> triangles) {
   if (triangles.empty()) return 0;
   const double folded = parallel_sum(triangles.size(), 0.0, [&](std::size_t i) {
     const auto& [a, b, c] = triangles[i];
-    const Vec3 facing = (position[b] - position[a]).cross(position[c] - position[a]);
-    return facing.dot(normal[a] + normal[b] + normal[c]) < 0 ? 1.0 : 0.0;
+    const Vec3 outward = (position[b] - position[a]).cross(position[c] - position[a]);
+    return outward.dot(normal[a] + normal[b] + normal[c]) < 0 ? 1.0 : 0.0;
   });
   return folded / static_cast<double>(triangles.size());
 }

@@ -49,6 +49,10 @@ struct TriangleDistortion {
 TriangleDistortion triangle_distortion(std::span<const Vec3> position, std::span<const Vec3> rest_position,
                                        std::span<const Triangle> triangles);
 
+/// Cosine of the angle between the triangle's normal and the sum of those at its corners; -1 where either is
+/// zero.
+double facing(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& normal_sum);
+
 /// Share of the triangles that have folded over: those that face away from the outward normals [unit vectors]
 /// at their corners, as their sum goes.
 double folded_fraction(std::span<const Vec3> position, std::span<const Vec3> normal,

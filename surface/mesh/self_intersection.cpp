@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <vector>
 
@@ -45,8 +46,23 @@ class TriangleGrid {
   }
 
   std::size_t intersections() const {
-    return parallel_sum(cell_start_.size() - 1, std::size_t{0},
-                        [&](std::size_t cell) { return intersections_in(cell); });
+    return parallel_sum(cell_start_.size() - 1, std::size_t{0}, [&](std::size_t cell) {
+      std::size_t found = 0;
+      for_each_intersection(cell, [&](int, int) { ++found; });
+      return found;
+    });
+  }
+
+  std::vector<char> is_intersecting() const {
+    // Several cells may mark one triangle at once, all with the same value.
+    std::vector<std::atomic<char>> marked(triangles_.size());
+    parallel_for(cell_start_.size() - 1, [&](std::size_t cell) {
+      for_each_intersection(cell, [&](int a, int b) {
+        marked[a].store(1, std::memory_order_relaxed);
+        marked[b].store(1, std::memory_order_relaxed);
+      });
+    });
+    return {marked.begin(), marked.end()};
   }
 
  private:
@@ -97,17 +113,17 @@ class TriangleGrid {
   }
   static std::uint64_t key(const Cell& cell) { return cell[0] << 42 | cell[1] << 21 | cell[2]; }
 
-  std::size_t intersections_in(std::size_t cell) const {
-    std::size_t found = 0;
+  template <class Visit>
+  void for_each_intersection(std::size_t cell, const Visit& visit) const {
     for (std::size_t a = cell_start_[cell]; a < cell_start_[cell + 1]; ++a)
       for (std::size_t b = a + 1; b < cell_start_[cell + 1]; ++b) {
         const Box &box_a = boxes_[entries_[a].triangle], &box_b = boxes_[entries_[b].triangle];
         if (!box_a.meets(box_b)) continue;
         // A pair may meet in several cells; it counts in the one that holds their boxes' common lower corner.
         if (key(cell_of(box_a.lower.cwiseMax(box_b.lower))) != entries_[a].cell) continue;
-        found += intersect(entries_[a].triangle, entries_[b].triangle);
+        if (intersect(entries_[a].triangle, entries_[b].triangle))
+          visit(entries_[a].triangle, entries_[b].triangle);
       }
-    return found;
   }
 
   bool intersect(int a, int b) const { return edges_cross(a, b) || edges_cross(b, a); }
@@ -139,6 +155,15 @@ class TriangleGrid {
 std::size_t self_intersections(std::span<const Vec3> position, std::span<const Triangle> triangles) {
   if (triangles.empty()) return 0;
   return TriangleGrid(position, triangles).intersections();
+}
+
+std::vector<int> intersecting_triangles(std::span<const Vec3> position, std::span<const Triangle> triangles) {
+  std::vector<int> found;
+  if (triangles.empty()) return found;
+  const std::vector<char> marked = TriangleGrid(position, triangles).is_intersecting();
+  for (int t = 0; t < static_cast<int>(marked.size()); ++t)
+    if (marked[t]) found.push_back(t);
+  return found;
 }
 
 }  // namespace kappaflow

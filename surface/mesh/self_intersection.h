@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "core/types.h"
 
@@ -13,5 +14,8 @@ namespace kappaflow {
 /// triangle's rim or lies in its plane within rounding, about 1e-15 of the coordinates, the answer may be
 /// either.
 std::size_t self_intersections(std::span<const Vec3> position, std::span<const Triangle> triangles);
+
+/// The triangles of these pairs, ascending, each once.
+std::vector<int> intersecting_triangles(std::span<const Vec3> position, std::span<const Triangle> triangles);
 
 }  // namespace kappaflow

@@ -5,9 +5,13 @@
 #include <span>
 #include <vector>
 
+#include "surface/mesh/vertex_history.h"
 #include "surface/mesh/vertex_rings.h"
 
 namespace kappaflow {
+
+/// In place of a triangle that edits have taken out.
+inline constexpr Triangle kRemovedTriangle{-1, -1, -1};
 
 /// An oriented triangle mesh, counter-clockwise seen from outside. Vertex arrays have one entry a vertex.
 struct TriangleMesh {
@@ -26,5 +30,9 @@ TriangleMesh make_triangle_mesh(std::vector<Vec3> position, std::vector<Triangle
 
 /// How many vertices have an id below `id`; they come first.
 std::size_t vertices_older_than(const TriangleMesh& mesh, std::int64_t id);
+
+/// Takes out the vertices for which `alive` is 0, and triangles {-1, -1, -1}. The rest keeps its order, so
+/// ids stay ascending; history.number says where each was.
+void remove_dead(std::span<const char> alive, TriangleMesh& mesh, VertexHistory& history);
 
 }  // namespace kappaflow

@@ -124,17 +124,13 @@ FairingState fairing_state(const TriangleMesh& mesh, const VertexRings& rings) {
   return state;
 }
 
-void renew_fairing_state(const TriangleMesh& mesh, const EdgeEdits& edits, const VertexRings& before,
+void renew_fairing_state(const TriangleMesh& mesh, const VertexHistory& history, const VertexRings& before,
                          const VertexRings& rings, FairingState& state) {
-  const auto number_before = [&](int v) {
-    const int number = edits.number_before()[v];
-    return number < edits.vertices_at_start() ? number : -1;
-  };
   state.renewed.resize(rings.neighbour.size());
   parallel_for(mesh.vertex_count(), [&](std::size_t i) {
-    const int v = static_cast<int>(i), old_v = number_before(v);
+    const int v = static_cast<int>(i), old_v = history.before(v);
     for (int k = rings.start[v]; k < rings.start[v + 1]; ++k) {
-      const int w = rings.neighbour[k], old_w = number_before(w);
+      const int w = rings.neighbour[k], old_w = history.before(w);
       const int place = old_v >= 0 && old_w >= 0 ? place_of(before, old_v, old_w) : -1;
       state.renewed[k] = place >= 0 ? state.rest_length[place] : (mesh.position[w] - mesh.position[v]).norm();
     }

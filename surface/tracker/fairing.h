@@ -5,8 +5,8 @@
 
 #include "core/named.h"
 #include "surface/field/field.h"
-#include "surface/mesh/edge_edits.h"
 #include "surface/mesh/triangle_mesh.h"
+#include "surface/mesh/vertex_history.h"
 #include "surface/tracker/projection.h"
 
 namespace kappaflow {
@@ -43,7 +43,7 @@ FairingState fairing_state(const TriangleMesh& mesh, const VertexRings& rings);
 /// After edits of the mesh: edges that were there before keep their rest lengths, the others are born with
 /// the lengths that they have. before, rings: of the mesh at the edits' start and now. `mobility` and
 /// `gradient` have travelled with the edits.
-void renew_fairing_state(const TriangleMesh& mesh, const EdgeEdits& edits, const VertexRings& before,
+void renew_fairing_state(const TriangleMesh& mesh, const VertexHistory& history, const VertexRings& before,
                          const VertexRings& rings, FairingState& state);
 
 /// Runs the iterations: every vertex moves from the same old state (Jacobi), so the order does not matter,

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "core/parallel.h"
+#include "surface/mesh/mesh_measures.h"
 
 namespace kappaflow {
 namespace {
@@ -31,13 +32,6 @@ double sharpness(const Vec3& a, const Vec3& b, const Vec3& c) {
   if (s > m) std::swap(s, m);
   const double product = std::sqrt(l * m);
   return product > 0 ? (l + m - s) / (2 * product) : 1;
-}
-
-/// Cosine of the angle between a triangle's normal and the sum of those at its corners.
-double facing(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& normal_sum) {
-  const Vec3 area = (b - a).cross(c - a);
-  const double size = area.norm() * normal_sum.norm();
-  return size > 0 ? area.dot(normal_sum) / size : -1;
 }
 
 /// The worst triangle of a group.
@@ -357,8 +351,8 @@ bool RemeshPass::replace(int v, const Vec3& x) {
 
 void RemeshPass::finish() {
   edits_.finish();
-  edits_.keep(facts_.gradient);
-  edits_.keep(facts_.mobility);
+  edits_.history().keep(facts_.gradient);
+  edits_.history().keep(facts_.mobility);
 }
 
 RemeshCounts Remesher::remesh(const Field& field, const RemeshOptions& options,

@@ -46,12 +46,12 @@ struct VertexFacts {
 class Remesher {
  public:
   /// rings: of the mesh as it is. Afterwards rings, and arrays over the vertices other than `facts`, are to
-  /// be renewed (see edits()) if RemeshCounts::any().
+  /// be renewed (see history()) if RemeshCounts::any().
   RemeshCounts remesh(const Field& field, const RemeshOptions& options, const ProjectionOptions& projection,
                       const VertexRings& rings, TriangleMesh& mesh, VertexFacts facts);
 
   /// What became of the vertices in the last remesh().
-  const EdgeEdits& edits() const { return edits_; }
+  const VertexHistory& history() const { return edits_.history(); }
 
  private:
   EdgeEdits edits_;

@@ -26,8 +26,11 @@ TrackerStep SurfaceTracker::step(FieldMotion& motion) {
                                  motion.t1() - motion.t0(), mesh_, fairing_);
     if (options_.fairing.iterations > 0) report.residual_max = residual;
   });
-  if (options_.remeshing.edge_length > 0)
+  if (options_.remeshing.edge_length > 0) {
+    if (options_.topology.follows_field)
+      report.topology_seconds = seconds_of([&] { report.topology = change_topology(*field); });
     report.remesh_seconds = seconds_of([&] { report.edits = remesh(*field); });
+  }
   report.residual_max = std::max(report.residual_max, report.edits.residual_max);
   report.unprojected = static_cast<std::size_t>(std::ranges::count(mesh_.unprojected, 1));
   return report;
@@ -40,15 +43,27 @@ double SurfaceTracker::project(const Field& field) {
   return project_all(field, options_.projection, mesh_.position, mesh_.unprojected, fairing_.gradient);
 }
 
+TopologyCounts SurfaceTracker::change_topology(const Field& field) {
+  const TopologyCounts counts =
+      topology_change_.change(field, options_.topology, options_.remeshing.edge_length, options_.projection,
+                              mesh_, {fairing_.gradient, fairing_.mobility});
+  if (counts.replaced > 0) renew_connectivity(topology_change_.history());
+  return counts;
+}
+
 RemeshCounts SurfaceTracker::remesh(const Field& field) {
   const RemeshCounts counts = remesher_.remesh(field, options_.remeshing, options_.projection, rings_, mesh_,
                                                {fairing_.gradient, fairing_.mobility});
-  if (!counts.any()) return counts;
+  if (counts.any()) renew_connectivity(remesher_.history());
+  return counts;
+}
+
+/// Brings all that depends on the connectivity up to date.
+void SurfaceTracker::renew_connectivity(const VertexHistory& history) {
   std::swap(rings_, rings_before_);
   vertex_rings(mesh_.vertex_count(), mesh_.triangles, rings_);
-  renew_fairing_state(mesh_, remesher_.edits(), rings_before_, rings_, fairing_);
+  renew_fairing_state(mesh_, history, rings_before_, rings_, fairing_);
   area_.resize(mesh_.vertex_count());
-  return counts;
 }
 
 void SurfaceTracker::advect(FieldMotion& motion) {

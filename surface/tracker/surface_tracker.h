@@ -11,6 +11,7 @@
 #include "surface/tracker/projection.h"
 #include "surface/tracker/remeshing.h"
 #include "surface/tracker/runge_kutta.h"
+#include "surface/tracker/topology.h"
 
 namespace kappaflow {
 
@@ -21,6 +22,7 @@ struct TrackerOptions {
   ProjectionOptions projection{};
   FairingOptions fairing{};
   RemeshOptions remeshing{};
+  TopologyOptions topology{};  ///< takes effect where remeshing does
 };
 
 /// What one step did, for metrics and timings.
@@ -28,15 +30,17 @@ struct TrackerStep {
   std::size_t unprojected = 0;  ///< vertices that are not on the surface after the step
   double residual_max =
       0;  ///< largest |f|/|g| over the projected vertices, in units of Field::length_scale()
+  TopologyCounts topology;
   RemeshCounts edits;
   double velocity_seconds = 0;  ///< wall time of the advection
   double fairing_seconds = 0;   ///< wall time of fairing and projection
+  double topology_seconds = 0;  ///< wall time of the changes of topology
   double remesh_seconds = 0;    ///< wall time of the edits
 };
 
 /// Tracks a surface: its vertices move with the chosen velocity, and the mesh is kept in order by edits that
-/// RemeshOptions describe. After a step every vertex is within ProjectionOptions::tolerance of f = 0 or
-/// flagged in TriangleMesh::unprojected.
+/// RemeshOptions describe and follows the surface's topology as TopologyOptions say. After a step every
+/// vertex is within ProjectionOptions::tolerance of f = 0 or flagged in TriangleMesh::unprojected.
 class SurfaceTracker {
  public:
   /// initial_mesh: on the surface f = 0 at the start of the first step. Throws InvalidInput for an unknown
@@ -54,7 +58,9 @@ class SurfaceTracker {
  private:
   void advect(FieldMotion& motion);
   double project(const Field& field);
+  TopologyCounts change_topology(const Field& field);
   RemeshCounts remesh(const Field& field);
+  void renew_connectivity(const VertexHistory& history);
 
   TrackerOptions options_;
   const VelocityMethod& method_;
@@ -62,6 +68,7 @@ class SurfaceTracker {
   VertexRings rings_, rings_before_;
   FairingState fairing_;
   RungeKutta runge_kutta_;
+  TopologyChange topology_change_;
   Remesher remesher_;
   SurfaceVelocities velocities_;  // of the last stage of the step
   std::vector<double> area_;      // at the start of the step

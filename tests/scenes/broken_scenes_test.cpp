@@ -73,6 +73,7 @@ TEST(GoodScenes, SmallestOneLoadsWithDefaults) {
   EXPECT_EQ(scene.surface.tracker.fairing.iterations, FairingOptions().iterations);
   EXPECT_FALSE(scene.surface.threshold);
   EXPECT_TRUE(scene.surface.remesh);
+  EXPECT_TRUE(scene.surface.topology);
 }
 
 TEST(GoodScenes, ViscositiesBecomeFluids) {
@@ -203,6 +204,7 @@ TEST(GoodScenes, EverySurfaceAndOutputKeyArrives) {
   EXPECT_EQ(surface.tracker.fairing.relaxation, 0.6);
   EXPECT_EQ(surface.tracker.fairing.rest_length_time, 0.7);
   EXPECT_FALSE(surface.remesh);
+  EXPECT_FALSE(surface.topology);
   EXPECT_EQ(surface.tracker.remeshing.turn, 0.4);
   EXPECT_EQ(surface.tracker.remeshing.finest, 0.3);
   EXPECT_EQ(scene.output.frames_per_second, 12.5);

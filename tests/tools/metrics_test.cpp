@@ -93,7 +93,7 @@ TEST(MetricsTable, HasTheDocumentedColumns) {
       "residual_max,quality_min,quality_mean,area,volume,isosurface_volume,slip,rotation_captured,"
       "tracer_distance,components,genus,isosurface_components,isosurface_genus,kept_fraction,unprojected,"
       "folded_fraction,angles_outside,self_intersections,texture_jump,texture_cracks,kept_since_frame,"
-      "surface_without_mesh,mesh_without_surface\n");
+      "surface_without_mesh,mesh_without_surface,regions_replaced,regions_refused\n");
 }
 
 TEST(MetricsTable, RowMatchesTheHeader) {
@@ -113,15 +113,17 @@ TEST(MetricsTable, RowMatchesTheHeader) {
   surface.kept_since_frame = 0.875;
   surface.surface_without_mesh = 1.5;
   surface.mesh_without_surface = 2.5;
+  surface.regions_replaced = 8;
+  surface.regions_refused = 9;
   EXPECT_EQ(metrics_row(frame, "total", surface),
             "7,0.28,total,1000,0.25,0.333333333333,0.02,12,20,1e-05,0.5,0.9,3.5,0.625,0.75,,0.875,,1,4,2,3,1,"
-            "5,0,0.125,6,0.5,0.25,0.875,1.5,2.5\n");
+            "5,0,0.125,6,0.5,0.25,0.875,1.5,2.5,8,9\n");
   EXPECT_EQ(split(metrics_row(frame, "total", surface), ',').size(), split(metrics_header(), ',').size());
 }
 
 TEST(TimingsTable, IsInMilliseconds) {
-  EXPECT_EQ(timings_header(), "frame,time,method,solver_ms,velocity_ms,fairing_ms,remesh_ms,output_ms\n");
-  EXPECT_EQ(timings_row(2, 0.08, "total", {1.5, 0.25, 0.125, 0, 0.001}), "2,0.08,total,1500,250,125,0,1\n");
+  EXPECT_EQ(timings_header(), "frame,time,method,solver_ms,velocity_ms,fairing_ms,topology_ms,remesh_ms,output_ms\n");
+  EXPECT_EQ(timings_row(2, 0.08, "total", {1.5, 0.25, 0.125, 0.5, 0, 0.001}), "2,0.08,total,1500,250,125,500,0,1\n");
 }
 
 }  // namespace

@@ -163,7 +163,7 @@ TEST(Remeshing, RestLengthsSurviveEditsElsewhere) {
   remesher.remesh(field, {.edge_length = 0.14, .finest = 0.3}, {}, before, mesh,
                   {state.gradient, state.mobility});
   const VertexRings rings = vertex_rings(mesh.vertex_count(), mesh.triangles);
-  renew_fairing_state(mesh, remesher.edits(), before, rings, state);
+  renew_fairing_state(mesh, remesher.history(), before, rings, state);
   std::size_t kept = 0, born = 0;
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
     for (int k = rings.start[v]; k < rings.start[v + 1]; ++k) {

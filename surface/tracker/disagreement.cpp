@@ -1,0 +1,101 @@
+#include "surface/tracker/disagreement.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/parallel.h"
+#include "surface/mesh/mesh_measures.h"
+#include "surface/mesh/winding_numbers.h"
+
+namespace kappaflow {
+namespace {
+
+constexpr double kFacing = 0.9;    // cosine to the sum of the corners' normals
+constexpr double kParallel = 2.7;  // length of that sum
+constexpr double kLongEdge = 4;    // in limits
+
+/// Whether the field is not to be asked: the triangle is small and all that is known at its corners, which
+/// are on the surface, fits.
+bool is_plainly_on_surface(std::span<const Vec3> position, std::span<const Vec3> gradient,
+                           const Triangle& triangle, double limit) {
+  const auto& [a, b, c] = triangle;
+  const Vec3 &x = position[a], &y = position[b], &z = position[c];
+  const double longest = std::max({(x - y).squaredNorm(), (y - z).squaredNorm(), (z - x).squaredNorm()});
+  const Vec3 normals = -gradient[a].normalized() - gradient[b].normalized() - gradient[c].normalized();
+  return longest < kLongEdge * kLongEdge * limit * limit && normals.norm() > kParallel &&
+         facing(x, y, z, normals) > kFacing;
+}
+
+/// Central differences of the samples at a point, one-sided at the lattice's rim [1/m].
+Vec3 sampled_gradient(const SampledField& samples, const LatticeCell& at) {
+  const std::array<std::size_t, 3> stride{1, static_cast<std::size_t>(samples.dims[0]),
+                                          static_cast<std::size_t>(samples.dims[0]) * samples.dims[1]};
+  const std::size_t index = at[0] + at[1] * stride[1] + at[2] * stride[2];
+  Vec3 gradient;
+  for (int a = 0; a < 3; ++a) {
+    const bool below = at[a] > 0, above = at[a] < samples.dims[a] - 1;
+    const double difference =
+        samples.value[index + (above ? stride[a] : 0)] - samples.value[index - (below ? stride[a] : 0)];
+    gradient[a] = difference / (samples.spacing * (below + above));
+  }
+  return gradient;
+}
+
+}  // namespace
+
+LatticeCell cell_of(const SampledField& lattice, const Vec3& x) {
+  const Vec3 cell = ((x - lattice.origin) / lattice.spacing).array().floor();
+  return {static_cast<int>(cell[0]), static_cast<int>(cell[1]), static_cast<int>(cell[2])};
+}
+
+bool is_off_surface(const Field& field, std::span<const Vec3> position, std::span<const Vec3> gradient,
+                    const Triangle& triangle, double limit) {
+  const auto& [a, b, c] = triangle;
+  const Vec3 normals = -gradient[a].normalized() - gradient[b].normalized() - gradient[c].normalized();
+  if (!(facing(position[a], position[b], position[c], normals) > 0)) return true;
+  const ValueAndGradient at = field.value_and_gradient((position[a] + position[b] + position[c]) / 3);
+  return !(std::abs(at.f) <= limit * at.g.norm());
+}
+
+std::vector<int> triangles_off_surface(const Field& field, const TriangleMesh& mesh,
+                                       std::span<const Vec3> gradient, double limit) {
+  std::vector<char> off(mesh.triangles.size());
+  parallel_for(off.size(), [&](std::size_t t) {
+    const Triangle& triangle = mesh.triangles[t];
+    off[t] = std::ranges::any_of(triangle, [&](int v) { return mesh.unprojected[v] != 0; }) ||
+             (!is_plainly_on_surface(mesh.position, gradient, triangle, limit) &&
+              is_off_surface(field, mesh.position, gradient, triangle, limit));
+  });
+  std::vector<int> found;
+  for (int t = 0; t < static_cast<int>(off.size()); ++t)
+    if (off[t]) found.push_back(t);
+  return found;
+}
+
+std::vector<LatticeCell> cells_in_dispute(const Field& field, const TriangleMesh& mesh, double limit,
+                                          SampledField& lattice) {
+  field.sample(lattice);
+  const std::vector<std::int8_t> winding = winding_numbers(mesh.position, mesh.triangles, lattice);
+  const auto [nx, ny, nz] = lattice.dims;
+  std::vector<std::vector<LatticeCell>> found(nz);
+  parallel_for(
+      static_cast<std::size_t>(nz),
+      [&, nx = nx, ny = ny](std::size_t k) {
+        std::size_t index = k * ny * nx;
+        for (int j = 0; j < ny; ++j)
+          for (int i = 0; i < nx; ++i, ++index) {
+            const double f = lattice.value[index];
+            if (winding[index] == (f > 0 ? 1 : 0)) continue;
+            const LatticeCell at{i, j, static_cast<int>(k)};
+            if (winding[index] == 0 || winding[index] == 1)
+              if (std::abs(f) <= limit * sampled_gradient(lattice, at).norm()) continue;
+            found[k].push_back(at);
+          }
+      },
+      1);
+  std::vector<LatticeCell> cells;
+  for (const std::vector<LatticeCell>& plane : found) cells.insert(cells.end(), plane.begin(), plane.end());
+  return cells;
+}
+
+}  // namespace kappaflow

@@ -1,0 +1,32 @@
+// Where a mesh and the surface f = 0 that it stands for disagree.
+#pragma once
+
+#include "surface/field/field.h"
+#include "surface/mesh/triangle_mesh.h"
+
+namespace kappaflow {
+
+/// Cells of a lattice, by the index of their lower corner; not bounded by the lattice's size.
+using LatticeCell = std::array<int, 3>;
+
+/// The cell of the lattice that holds x.
+LatticeCell cell_of(const SampledField& lattice, const Vec3& x);
+
+/// Whether the triangle is not a piece of f = 0 within `limit` [m]: by |f|/|g| > limit at its centroid, or
+/// because it faces away from the field's normals at its corners, as their sum goes.
+bool is_off_surface(const Field& field, std::span<const Vec3> position, std::span<const Vec3> gradient,
+                    const Triangle& triangle, double limit);
+
+/// The triangles for which is_off_surface() holds or a corner is not projected, ascending; but the
+/// field is not asked about small triangles along which the normals at the corners hardly turn. gradient: of
+/// f at the vertices.
+std::vector<int> triangles_off_surface(const Field& field, const TriangleMesh& mesh,
+                                       std::span<const Vec3> gradient, double limit);
+
+/// The cells at points of the lattice that are inside the mesh and not the surface, or the reverse, and
+/// further than `limit` [m] from f = 0 as f and its central differences tell; and at those around which the
+/// mesh goes more than once, or backwards. Samples the field.
+std::vector<LatticeCell> cells_in_dispute(const Field& field, const TriangleMesh& mesh, double limit,
+                                          SampledField& lattice);
+
+}  // namespace kappaflow

@@ -1,0 +1,429 @@
+#include "surface/tracker/region_replacement.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "core/nearest_on_triangle.h"
+#include "core/parallel.h"
+#include "surface/mesh/loops.h"
+#include "surface/mesh/self_intersection.h"
+
+namespace kappaflow {
+namespace {
+
+constexpr double kGap = 0.25;        // between the mesh and the patch, in edge lengths
+constexpr double kSameSide = 0.2;    // least cosine between normals of one sheet
+constexpr double kSurroundings = 2;  // reach of the triangles that a replacement looks at, in edge lengths
+constexpr int kSidePadding = 2;      // cells between all that matters and the block's sides
+constexpr int kRounds = 20;          // of widening
+constexpr std::size_t kSmallestPiece = 3;  // triangles of a patch that is worth sewing in
+constexpr std::size_t kLongestFill = 80;   // corners of a loop that is filled
+constexpr double kMostCells = 67108864;    // 2^26
+
+bool has_vertex(const Triangle& t, std::span<const int> sorted_vertices) {
+  return std::ranges::any_of(t, [&](int v) { return std::ranges::binary_search(sorted_vertices, v); });
+}
+
+/// The edges of loops, sorted.
+std::vector<std::pair<int, int>> edges_of(std::span<const std::vector<int>> loops) {
+  std::vector<std::pair<int, int>> edges;
+  for (const std::vector<int>& loop : loops)
+    for (std::size_t i = 0; i < loop.size(); ++i) edges.emplace_back(loop[i], loop[(i + 1) % loop.size()]);
+  std::ranges::sort(edges);
+  return edges;
+}
+
+/// How many of the triangle's edges run against one of the sorted edges.
+int edges_along(const Triangle& t, std::span<const std::pair<int, int>> edges) {
+  int along = 0;
+  for (int c = 0; c < 3; ++c) along += std::ranges::binary_search(edges, std::pair(t[(c + 1) % 3], t[c]));
+  return along;
+}
+
+/// Triangles by the cells of a grid that they come within `reach` of.
+class TriangleBins {
+ public:
+  TriangleBins(const TriangleMesh& mesh, std::span<const int> triangles, double reach) : size_(4 * reach) {
+    for (const int t : triangles) {
+      const auto& [a, b, c] = mesh.triangles[t];
+      const Vec3 &x = mesh.position[a], &y = mesh.position[b], &z = mesh.position[c];
+      const LatticeCell first = cell(x.cwiseMin(y).cwiseMin(z).array() - reach),
+                        last = cell(x.cwiseMax(y).cwiseMax(z).array() + reach);
+      for (int k = first[2]; k <= last[2]; ++k)
+        for (int j = first[1]; j <= last[1]; ++j)
+          for (int i = first[0]; i <= last[0]; ++i) entries_.emplace_back(key({i, j, k}), t);
+    }
+    std::ranges::sort(entries_);
+  }
+
+  /// Whether `test` holds for a triangle of x's cell.
+  template <class Test>
+  bool any_near(const Vec3& x, const Test& test) const {
+    const std::uint64_t at = key(cell(x));
+    auto entry = std::ranges::lower_bound(entries_, std::pair(at, -1));
+    for (; entry != entries_.end() && entry->first == at; ++entry)
+      if (test(entry->second)) return true;
+    return false;
+  }
+
+ private:
+  LatticeCell cell(const Vec3& x) const {
+    const Vec3 c = (x / size_).array().floor();
+    return {static_cast<int>(c[0]), static_cast<int>(c[1]), static_cast<int>(c[2])};
+  }
+  /// 21 bits an axis; cells that share a key cost time only.
+  static std::uint64_t key(const LatticeCell& c) {
+    constexpr std::uint64_t kMask = (1u << 21) - 1;
+    return (static_cast<std::uint64_t>(c[0]) & kMask) << 42 |
+           (static_cast<std::uint64_t>(c[1]) & kMask) << 21 | (static_cast<std::uint64_t>(c[2]) & kMask);
+  }
+  double size_;
+  std::vector<std::pair<std::uint64_t, int>> entries_;
+};
+
+/// The connected piece of each vertex, as its smallest vertex.
+std::vector<int> pieces_of(std::size_t vertices, std::span<const Triangle> triangles) {
+  std::vector<int> parent(vertices);
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](int v) {
+    while (parent[v] != v) v = parent[v] = parent[parent[v]];
+    return v;
+  };
+  for (const auto& [a, b, c] : triangles)
+    for (const auto& [u, v] : {std::pair(a, b), std::pair(b, c)}) {
+      const int p = root(u), q = root(v);
+      parent[std::max(p, q)] = std::min(p, q);
+    }
+  for (int v = 0; v < static_cast<int>(vertices); ++v) parent[v] = root(v);
+  return parent;
+}
+
+}  // namespace
+
+/// A set of cells of the lattice.
+class RegionReplacement::Cells {
+ public:
+  Cells(std::span<const LatticeCell> cells, int growth) : first_(cells[0]) {
+    LatticeCell last = first_;
+    for (const LatticeCell& c : cells)
+      for (int a = 0; a < 3; ++a) {
+        first_[a] = std::min(first_[a], c[a] - growth);
+        last[a] = std::max(last[a], c[a] + growth);
+      }
+    for (int a = 0; a < 3; ++a) dims_[a] = last[a] - first_[a] + 1;
+    if (too_large()) return;
+    in_.assign(static_cast<std::size_t>(dims_[0]) * dims_[1] * dims_[2], 0);
+    for (const LatticeCell& c : cells)
+      for (int k = c[2] - growth; k <= c[2] + growth; ++k)
+        for (int j = c[1] - growth; j <= c[1] + growth; ++j)
+          for (int i = c[0] - growth; i <= c[0] + growth; ++i) in_[index({i, j, k})] = 1;
+  }
+
+  bool too_large() const { return 1.0 * dims_[0] * dims_[1] * dims_[2] > kMostCells; }
+  bool has(const LatticeCell& c) const {
+    for (int a = 0; a < 3; ++a)
+      if (c[a] < first_[a] || c[a] >= first_[a] + dims_[a]) return false;
+    return in_[index(c)] != 0;
+  }
+  LatticeBlock block() const {
+    return {first_, {first_[0] + dims_[0], first_[1] + dims_[1], first_[2] + dims_[2]}};
+  }
+
+ private:
+  std::size_t index(const LatticeCell& c) const {
+    return c[0] - first_[0] +
+           static_cast<std::size_t>(dims_[0]) *
+               (c[1] - first_[1] + static_cast<std::size_t>(dims_[1]) * (c[2] - first_[2]));
+  }
+  LatticeCell first_;
+  std::array<int, 3> dims_{};
+  std::vector<char> in_;
+};
+
+bool RegionReplacement::replace(std::span<const LatticeCell> cells, int growth) {
+  const Cells region(cells, growth);
+  if (region.too_large()) return false;
+  take_out(region);
+  if (!smooth_rim()) return false;
+  const LocalIsosurface iso =
+      local_isosurface(setting_.field, setting_.lattice, block_around(region), setting_.tolerance);
+  cut_near_kept(iso);
+  if (!drop_foreign_pieces(iso, region)) return false;
+  unpinch_patch();
+  if (removed_.empty() && patch_.empty()) return true;  // an earlier replacement has settled it
+  append_vertices(iso);
+  const bool sound = sew() && is_sound();
+  if (sound)
+    commit();
+  else
+    roll_back();
+  return sound;
+}
+
+/// Sorts the triangles into those with a corner in the region and those around that stay.
+void RegionReplacement::take_out(const Cells& region) {
+  std::vector<char> inside(mesh_.vertex_count());
+  parallel_for(inside.size(),
+               [&](std::size_t v) { inside[v] = region.has(cell_of(setting_.lattice, mesh_.position[v])); });
+  const LatticeBlock block = region.block();
+  Vec3 lower =
+      setting_.lattice.origin +
+      setting_.lattice.spacing * Eigen::Map<const Eigen::Vector3i>(block.first.data()).cast<double>();
+  Vec3 upper = setting_.lattice.origin +
+               setting_.lattice.spacing * Eigen::Map<const Eigen::Vector3i>(block.last.data()).cast<double>();
+  removed_.clear();
+  for (int t = 0; t < static_cast<int>(mesh_.triangles.size()); ++t) {
+    const Triangle& triangle = mesh_.triangles[t];
+    if (triangle == kRemovedTriangle || std::ranges::none_of(triangle, [&](int v) { return inside[v]; }))
+      continue;
+    removed_.push_back(t);
+    for (const int v : triangle) {
+      lower = lower.cwiseMin(mesh_.position[v]);
+      upper = upper.cwiseMax(mesh_.position[v]);
+    }
+  }
+  const double reach = kSurroundings * setting_.edge_length;
+  const auto is_around = [&](int v) {
+    const Vec3& x = mesh_.position[v];
+    return ((x - lower).array() >= -reach).all() && ((x - upper).array() <= reach).all();
+  };
+  kept_.clear();
+  for (int t = 0; t < static_cast<int>(mesh_.triangles.size()); ++t) {
+    const Triangle& triangle = mesh_.triangles[t];
+    if (triangle == kRemovedTriangle || std::ranges::any_of(triangle, [&](int v) { return inside[v]; }))
+      continue;
+    if (std::ranges::any_of(triangle, is_around)) kept_.push_back(t);
+  }
+}
+
+std::vector<Triangle> RegionReplacement::triangles(std::span<const int> numbers) const {
+  std::vector<Triangle> result;
+  result.reserve(numbers.size());
+  for (const int t : numbers) result.push_back(mesh_.triangles[t]);
+  return result;
+}
+
+/// Takes more out until no vertex joins two loops of the hole's rim, and no triangle juts out into it.
+bool RegionReplacement::smooth_rim() {
+  bool pinched = true;
+  for (int round = 0; round < kRounds; ++round) {
+    const Boundary rim = boundary_of(triangles(removed_));
+    pinched = !rim.pinched.empty();
+    const std::vector<std::pair<int, int>> edges = edges_of(rim.loops);
+    const auto moved = std::stable_partition(kept_.begin(), kept_.end(), [&](int t) {
+      return !has_vertex(mesh_.triangles[t], rim.pinched) && edges_along(mesh_.triangles[t], edges) < 2;
+    });
+    if (moved == kept_.end()) break;
+    removed_.insert(removed_.end(), moved, kept_.end());
+    kept_.erase(moved, kept_.end());
+  }
+  return !pinched;
+}
+
+/// All that the patch may consist of, and some cells more.
+LatticeBlock RegionReplacement::block_around(const Cells& region) const {
+  LatticeBlock block = region.block();
+  const int padding =
+      kSidePadding + static_cast<int>(std::ceil(kGap * setting_.edge_length / setting_.lattice.spacing));
+  for (const int t : removed_)
+    for (const int v : mesh_.triangles[t]) {
+      const LatticeCell cell = cell_of(setting_.lattice, mesh_.position[v]);
+      for (int a = 0; a < 3; ++a) {
+        block.first[a] = std::min(block.first[a], cell[a]);
+        block.last[a] = std::max(block.last[a], cell[a] + 1);
+      }
+    }
+  for (int a = 0; a < 3; ++a) {
+    block.first[a] -= padding;
+    block.last[a] += padding;
+  }
+  return block;
+}
+
+/// The patch is what of the isosurface keeps a distance from the mesh that stays.
+void RegionReplacement::cut_near_kept(const LocalIsosurface& iso) {
+  const double gap = kGap * setting_.edge_length;
+  const TriangleBins bins(mesh_, kept_, gap);
+  std::vector<char> near(iso.position.size());
+  parallel_for(near.size(), [&](std::size_t v) {
+    const Vec3 normal = -iso.gradient[v].normalized();
+    near[v] = bins.any_near(iso.position[v], [&](int t) {
+      const std::array<Vec3, 3> at = corners(mesh_.triangles[t]);
+      return (nearest_on_triangle(at, iso.position[v]).point - iso.position[v]).norm() <= gap &&
+             (at[1] - at[0]).cross(at[2] - at[0]).normalized().dot(normal) > kSameSide;
+    });
+  });
+  patch_.clear();
+  for (const Triangle& t : iso.triangles)
+    if (std::ranges::none_of(t, [&](int v) { return near[v]; })) patch_.push_back(t);
+}
+
+/// Pieces of the patch that end at the block's side belong to another region, unless they reach into this
+/// one: then the block is too small. So do closed ones outside; and specks go.
+bool RegionReplacement::drop_foreign_pieces(const LocalIsosurface& iso, const Cells& region) {
+  const std::vector<int> piece = pieces_of(iso.position.size(), patch_);
+  std::vector<char> ends_at_side(piece.size(), 0), in_region(piece.size(), 0), open(piece.size(), 0);
+  std::vector<std::size_t> size(piece.size(), 0);
+  for (const Triangle& t : patch_) {
+    ++size[piece[t[0]]];
+    for (const int v : t) {
+      ends_at_side[piece[v]] |= iso.at_side[v];
+      in_region[piece[v]] |= region.has(cell_of(setting_.lattice, iso.position[v]));
+    }
+  }
+  for (std::size_t p = 0; p < piece.size(); ++p)
+    if (ends_at_side[p] && in_region[p]) return false;
+  const Boundary boundary = boundary_of(patch_);
+  for (const int v : boundary.pinched) open[piece[v]] = 1;
+  for (const std::vector<int>& loop : boundary.loops) open[piece[loop[0]]] = 1;
+  std::erase_if(patch_, [&](const Triangle& t) {
+    const int p = piece[t[0]];
+    return ends_at_side[p] || (open[p] ? size[p] < kSmallestPiece : !in_region[p]);
+  });
+  return true;
+}
+
+void RegionReplacement::unpinch_patch() {
+  for (std::vector<int> pinched = boundary_of(patch_).pinched; !pinched.empty();
+       pinched = boundary_of(patch_).pinched)
+    std::erase_if(patch_, [&](const Triangle& t) { return has_vertex(t, pinched); });
+}
+
+/// Position and gradient of the patch's vertices, from here on by their numbers in the mesh.
+void RegionReplacement::append_vertices(const LocalIsosurface& iso) {
+  first_new_ = mesh_.vertex_count();
+  exact_.clear();
+  std::vector<int> number(iso.position.size(), -1);
+  for (Triangle& t : patch_)
+    for (int& v : t) {
+      if (number[v] < 0) {
+        number[v] = static_cast<int>(mesh_.position.size());
+        mesh_.position.push_back(iso.position[v]);
+        facts_.gradient.push_back(iso.gradient[v]);
+        exact_.push_back(iso.exact[v]);
+      }
+      v = number[v];
+    }
+}
+
+/// Joins every loop of the patch with one of the hole, and fills those that are left.
+bool RegionReplacement::sew() {
+  seams_.clear();
+  const std::vector<std::vector<int>> holes = boundary_of(triangles(removed_)).loops,
+                                      loops = boundary_of(patch_).loops;
+  std::vector<int> loop_at(holes.size(), -1);
+  for (std::size_t l = 0; l < loops.size(); ++l) {
+    const int hole = matching_hole(loops[l], holes);
+    if (hole < 0) return false;
+    int& taken = loop_at[hole];
+    if (taken < 0) {
+      taken = static_cast<int>(l);
+      continue;
+    }
+    const bool larger = loops[l].size() > loops[taken].size();
+    if (!drop_island(loops, larger ? taken : l)) return false;
+    if (larger) taken = static_cast<int>(l);
+  }
+  for (std::size_t h = 0; h < holes.size(); ++h) {
+    if (loop_at[h] < 0 && holes[h].size() > kLongestFill) return false;
+    const std::vector<Triangle> seam =
+        loop_at[h] < 0 ? fill_loop(mesh_.position, facts_.gradient, holes[h])
+                       : strip_between(mesh_.position, facts_.gradient, holes[h], loops[loop_at[h]]);
+    seams_.insert(seams_.end(), seam.begin(), seam.end());
+  }
+  return true;
+}
+
+/// The hole to which most of the loop's vertices are nearest, on the same side of the liquid; -1 without any.
+int RegionReplacement::matching_hole(std::span<const int> loop,
+                                     std::span<const std::vector<int>> holes) const {
+  std::vector<int> votes(holes.size(), 0);
+  for (const int v : loop) {
+    double least = std::numeric_limits<double>::infinity();
+    int nearest = -1;
+    for (std::size_t h = 0; h < holes.size(); ++h)
+      for (const int w : holes[h]) {
+        const double distance = (mesh_.position[w] - mesh_.position[v]).squaredNorm();
+        if (!(distance < least) || !(facts_.gradient[w].dot(facts_.gradient[v]) > 0)) continue;
+        least = distance;
+        nearest = static_cast<int>(h);
+      }
+    if (nearest >= 0) ++votes[nearest];
+  }
+  const auto most = std::ranges::max_element(votes);
+  return most == votes.end() || *most == 0 ? -1 : static_cast<int>(most - votes.begin());
+}
+
+/// Takes a piece of the patch with no other loop than this one away.
+bool RegionReplacement::drop_island(std::span<const std::vector<int>> loops, std::size_t loop) {
+  const std::vector<int> piece = pieces_of(mesh_.vertex_count(), patch_);
+  const int island = piece[loops[loop][0]];
+  if (std::ranges::count_if(loops, [&](const auto& l) { return piece[l[0]] == island; }) > 1) return false;
+  std::erase_if(patch_, [&](const Triangle& t) { return piece[t[0]] == island; });
+  return true;
+}
+
+/// Whether the seams are on the surface, and with the patch pass through nothing and have three neighbours.
+bool RegionReplacement::is_sound() const {
+  for (const Triangle& t : seams_)
+    if (is_off_surface(setting_.field, mesh_.position, facts_.gradient, t, setting_.off_surface))
+      return false;
+  std::vector<Triangle> all = triangles(kept_);
+  const std::size_t kept = all.size();
+  all.insert(all.end(), patch_.begin(), patch_.end());
+  all.insert(all.end(), seams_.begin(), seams_.end());
+  std::vector<std::pair<int, int>> edges;
+  for (const Triangle& t : all)
+    for (int c = 0; c < 3; ++c) edges.emplace_back(t[c], t[(c + 1) % 3]);
+  std::ranges::sort(edges);
+  const auto once = [&](int u, int v) {
+    return std::ranges::equal_range(edges, std::pair(u, v)).size() == 1;
+  };
+  for (std::size_t t = kept; t < all.size(); ++t)
+    for (int c = 0; c < 3; ++c)
+      if (!once(all[t][c], all[t][(c + 1) % 3]) || !once(all[t][(c + 1) % 3], all[t][c])) return false;
+  const std::vector<int> crossing = intersecting_triangles(mesh_.position, all);
+  return crossing.empty() || crossing.back() < static_cast<int>(kept);
+}
+
+void RegionReplacement::commit() {
+  for (std::size_t v = first_new_; v < mesh_.position.size(); ++v) {
+    const Vec3& x = mesh_.position[v];
+    const VertexBlend from = removed_.empty() ? VertexBlend{} : source_of(x);
+    mesh_.rest_position.push_back(removed_.empty() ? x : blended(mesh_.rest_position, from));
+    facts_.mobility.push_back(removed_.empty() ? 1 : blended(facts_.mobility, from));
+    mesh_.unprojected.push_back(!exact_[v - first_new_]);
+    mesh_.id.push_back(mesh_.next_id++);
+  }
+  for (const int t : removed_) mesh_.triangles[t] = kRemovedTriangle;
+  mesh_.triangles.insert(mesh_.triangles.end(), patch_.begin(), patch_.end());
+  mesh_.triangles.insert(mesh_.triangles.end(), seams_.begin(), seams_.end());
+  ++counts.replaced;
+  counts.triangles_removed += removed_.size();
+}
+
+void RegionReplacement::roll_back() {
+  mesh_.position.resize(first_new_);
+  facts_.gradient.resize(first_new_);
+}
+
+/// The nearest point of the triangles taken out.
+VertexBlend RegionReplacement::source_of(const Vec3& x) const {
+  double least = std::numeric_limits<double>::infinity();
+  VertexBlend best{};
+  for (const int t : removed_) {
+    const std::array<Vec3, 3> at = corners(mesh_.triangles[t]);
+    const Vec3 point = nearest_on_triangle(at, x).point;
+    const double distance = (point - x).squaredNorm();
+    if (!(distance < least)) continue;
+    least = distance;
+    const Vec3 weight = corner_weights(at, point);
+    best = {mesh_.triangles[t], {weight[0], weight[1], weight[2]}};
+  }
+  return best;
+}
+
+}  // namespace kappaflow

@@ -1,0 +1,64 @@
+// Takes one region of a mesh out and puts the isosurface in.
+#pragma once
+
+#include "surface/mesh/isosurface.h"
+#include "surface/tracker/disagreement.h"
+#include "surface/tracker/topology.h"
+
+namespace kappaflow {
+
+/// What the replacements of one step share.
+struct ReplacementSetting {
+  const Field& field;
+  const SampledField& lattice;  ///< its values are not read
+  double edge_length;           ///< of the mesh [m]
+  double off_surface;           ///< limit of is_off_surface() [m]
+  double tolerance;             ///< of new vertices [m]
+};
+
+/// A mesh under replacements: triangles taken out are kRemovedTriangle, vertices keep their numbers, new ones
+/// of both come at the end.
+class RegionReplacement {
+ public:
+  RegionReplacement(const ReplacementSetting& setting, TriangleMesh& mesh, VertexFacts facts)
+      : setting_(setting), mesh_(mesh), facts_(facts) {}
+
+  /// Replaces the mesh in the cells and those up to `growth` away. Returns whether that gave a sound mesh; if
+  /// not, the mesh is as it was.
+  bool replace(std::span<const LatticeCell> cells, int growth);
+
+  TopologyCounts counts;
+
+ private:
+  class Cells;
+
+  void take_out(const Cells& region);
+  bool smooth_rim();
+  LatticeBlock block_around(const Cells& region) const;
+  void cut_near_kept(const LocalIsosurface& iso);
+  bool drop_foreign_pieces(const LocalIsosurface& iso, const Cells& region);
+  void unpinch_patch();
+  void append_vertices(const LocalIsosurface& iso);
+  bool sew();
+  bool drop_island(std::span<const std::vector<int>> loops, std::size_t loop);
+  int matching_hole(std::span<const int> loop, std::span<const std::vector<int>> holes) const;
+  bool is_sound() const;
+  void commit();
+  void roll_back();
+  VertexBlend source_of(const Vec3& x) const;
+  std::vector<Triangle> triangles(std::span<const int> numbers) const;
+  std::array<Vec3, 3> corners(const Triangle& t) const {
+    return {mesh_.position[t[0]], mesh_.position[t[1]], mesh_.position[t[2]]};
+  }
+
+  const ReplacementSetting& setting_;
+  TriangleMesh& mesh_;
+  VertexFacts facts_;
+  std::vector<int> removed_, kept_;  // triangles to take out, and those around that stay
+  std::vector<Triangle> patch_;      // of the isosurface, first in its own numbers, then in the mesh's
+  std::vector<Triangle> seams_;      // between patch and mesh
+  std::size_t first_new_ = 0;        // vertex
+  std::vector<char> exact_;          // of the new vertices
+};
+
+}  // namespace kappaflow

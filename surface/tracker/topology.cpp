@@ -1,0 +1,132 @@
+#include "surface/tracker/topology.h"
+
+#include <algorithm>
+#include <array>
+
+#include "surface/mesh/isosurface.h"
+#include "surface/mesh/self_intersection.h"
+#include "surface/tracker/disagreement.h"
+#include "surface/tracker/region_replacement.h"
+
+namespace kappaflow {
+namespace {
+
+constexpr double kOffSurface = 0.5;        // distance of a triangle's centroid from f = 0, in edge lengths
+constexpr double kDispute = 0.3;           // of a point of the lattice, in edge lengths
+constexpr int kCluster = 2;                // cells of a region are in blocks of so many that touch
+constexpr std::array kGrowth{2, 3, 4, 6};  // of a region, one entry a try [cells]
+constexpr int kPasses = 3;                 // after the first with wider regions
+
+/// Groups of cells whose blocks touch, each ascending; in the order of their first cells' blocks.
+std::vector<std::vector<LatticeCell>> regions_of(std::vector<LatticeCell> cells) {
+  const auto block_of = [](const LatticeCell& c) {
+    LatticeCell block;
+    for (int a = 0; a < 3; ++a) block[a] = (c[a] >= 0 ? c[a] : c[a] - kCluster + 1) / kCluster;
+    return block;
+  };
+  std::vector<std::pair<LatticeCell, LatticeCell>> by_block;
+  for (const LatticeCell& c : cells) by_block.emplace_back(block_of(c), c);
+  std::ranges::sort(by_block);
+  by_block.erase(std::ranges::unique(by_block).begin(), by_block.end());
+  std::vector<char> taken(by_block.size(), 0);
+  std::vector<std::vector<LatticeCell>> regions;
+  std::vector<LatticeCell> pending;
+  for (std::size_t seed = 0; seed < by_block.size(); ++seed) {
+    if (taken[seed]) continue;
+    std::vector<LatticeCell>& region = regions.emplace_back();
+    pending.assign(1, by_block[seed].first);
+    const auto take = [&](const LatticeCell& block) {
+      auto entry = std::ranges::lower_bound(by_block, block, {}, [](const auto& e) { return e.first; }) -
+                   by_block.begin();
+      const auto end = static_cast<std::ptrdiff_t>(by_block.size());
+      if (entry == end || by_block[entry].first != block || taken[entry]) return false;
+      for (; entry < end && by_block[entry].first == block; ++entry) {
+        taken[entry] = 1;
+        region.push_back(by_block[entry].second);
+      }
+      return true;
+    };
+    take(pending[0]);
+    while (!pending.empty()) {
+      const LatticeCell at = pending.back();
+      pending.pop_back();
+      for (int n = 0; n < 27; ++n) {
+        const LatticeCell next{at[0] + n % 3 - 1, at[1] + n / 3 % 3 - 1, at[2] + n / 9 - 1};
+        if (take(next)) pending.push_back(next);
+      }
+    }
+    std::ranges::sort(region);
+  }
+  return regions;
+}
+
+void add_cells(const SampledField& lattice, const TriangleMesh& mesh, std::span<const int> triangles,
+               std::vector<LatticeCell>& cells) {
+  for (const int t : triangles) {
+    const auto& [a, b, c] = mesh.triangles[t];
+    const Vec3 &x = mesh.position[a], &y = mesh.position[b], &z = mesh.position[c];
+    for (const Vec3& p : {x, y, z, Vec3((x + y + z) / 3)}) cells.push_back(cell_of(lattice, p));
+  }
+}
+
+void finish(TriangleMesh& mesh, VertexFacts facts, VertexHistory& history) {
+  std::vector<char> alive(mesh.vertex_count(), 0);
+  for (const Triangle& t : mesh.triangles)
+    for (const int v : t) alive[v] = 1;
+  remove_dead(alive, mesh, history);
+  history.keep(facts.gradient);
+  history.keep(facts.mobility);
+}
+
+/// Where the triangles are not pieces of the surface.
+void add_cells_off_surface(const Field& field, const TriangleMesh& mesh, VertexFacts facts,
+                           double edge_length, const SampledField& lattice, std::vector<LatticeCell>& cells) {
+  const double limit = kOffSurface * edge_length;
+  add_cells(lattice, mesh, triangles_off_surface(field, mesh, facts.gradient, limit), cells);
+}
+
+/// Where the mesh as a whole is not the surface's: by the lattice and by crossings.
+void add_cells_in_dispute(const Field& field, const TriangleMesh& mesh, double edge_length,
+                          SampledField& lattice, std::vector<LatticeCell>& cells) {
+  add_cells(lattice, mesh, intersecting_triangles(mesh.position, mesh.triangles), cells);
+  const std::vector<LatticeCell> disputed = cells_in_dispute(field, mesh, kDispute * edge_length, lattice);
+  cells.insert(cells.end(), disputed.begin(), disputed.end());
+}
+
+}  // namespace
+
+TopologyCounts TopologyChange::change(const Field& field, const TopologyOptions& options, double edge_length,
+                                      const ProjectionOptions& projection, TriangleMesh& mesh,
+                                      VertexFacts facts) {
+  const double scale = field.length_scale();
+  SampledField lattice =
+      isosurface_lattice(field, scale > 0 ? std::min(edge_length, options.spacing * scale) : edge_length);
+  const ReplacementSetting setting{field, lattice, edge_length, kOffSurface * edge_length,
+                                   projection.tolerance * scale};
+  RegionReplacement replacement(setting, mesh, facts);
+  TopologyCounts& counts = replacement.counts;
+  history_.vertices_at_start = static_cast<int>(mesh.vertex_count());
+  const bool whole = --steps_to_lattice_ <= 0;
+  if (whole) steps_to_lattice_ = options.lattice_interval;
+  for (int pass = 0; pass < kPasses; ++pass) {
+    std::vector<LatticeCell> cells;
+    // The lattice's slivers in patches are the remesher's to mend.
+    if (pass == 0) add_cells_off_surface(field, mesh, facts, edge_length, lattice, cells);
+    if (pass > 0 || whole) add_cells_in_dispute(field, mesh, edge_length, lattice, cells);
+    if (cells.empty()) break;
+    const std::size_t replaced_before = counts.replaced;
+    counts.refused = 0;
+    for (const std::vector<LatticeCell>& region : regions_of(cells))
+      counts.refused += std::none_of(kGrowth.begin() + pass, kGrowth.end(),
+                                     [&](int growth) { return replacement.replace(region, growth); });
+    if (counts.replaced == replaced_before) break;
+    std::erase(mesh.triangles, kRemovedTriangle);
+  }
+  if (counts.replaced == 0) return counts;
+  finish(mesh, facts, history_);
+  const auto first_born = std::ranges::lower_bound(history_.number, history_.vertices_at_start);
+  counts.vertices_born = static_cast<std::size_t>(history_.number.end() - first_born);
+  return counts;
+}
+
+}  // namespace kappaflow
