@@ -49,7 +49,8 @@ TEST(BrokenScenes, EndlessFile) {
 }
 
 TEST(BrokenScenes, ControlCharactersInAMeshName) {
-  const std::string text = std::string(kSmallest) + "[[wall]]\nshape = \"mesh\"\nfile = \"a\\nb.stl\"\n";
+  std::string text(kSmallest);
+  text += "[[wall]]\nshape = \"mesh\"\nfile = \"a\\nb.stl\"\n";
   EXPECT_EQ(
       load_error(temporary_file("mesh.toml", text)),
       "mesh.toml:11:8: file in [[wall]] is \"a\\nb.stl\"; allowed: a string without control characters");

@@ -1,0 +1,55 @@
+// Finds the triangles near a point.
+#pragma once
+
+#include <algorithm>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "surface/mesh/triangle_mesh.h"
+
+namespace kappaflow {
+
+/// Triangles by the cells of a grid that they come within `reach` of.
+class TriangleBins {
+ public:
+  TriangleBins(const TriangleMesh& mesh, std::span<const int> triangles, double reach) : size_(4 * reach) {
+    for (const int t : triangles) {
+      const auto& [a, b, c] = mesh.triangles[t];
+      const Vec3 &x = mesh.position[a], &y = mesh.position[b], &z = mesh.position[c];
+      const Cell first = cell(x.cwiseMin(y).cwiseMin(z).array() - reach),
+                 last = cell(x.cwiseMax(y).cwiseMax(z).array() + reach);
+      for (int k = first[2]; k <= last[2]; ++k)
+        for (int j = first[1]; j <= last[1]; ++j)
+          for (int i = first[0]; i <= last[0]; ++i) entries_.emplace_back(key({i, j, k}), t);
+    }
+    std::ranges::sort(entries_);
+  }
+
+  /// Whether `test` holds for a triangle of x's cell.
+  template <class Test>
+  bool any_near(const Vec3& x, const Test& test) const {
+    const std::uint64_t at = key(cell(x));
+    auto entry = std::ranges::lower_bound(entries_, std::pair(at, -1));
+    for (; entry != entries_.end() && entry->first == at; ++entry)
+      if (test(entry->second)) return true;
+    return false;
+  }
+
+ private:
+  using Cell = std::array<int, 3>;
+  Cell cell(const Vec3& x) const {
+    const Vec3 c = (x / size_).array().floor();
+    return {static_cast<int>(c[0]), static_cast<int>(c[1]), static_cast<int>(c[2])};
+  }
+  /// 21 bits an axis; cells that share a key cost time only.
+  static std::uint64_t key(const Cell& c) {
+    constexpr std::uint64_t kMask = (1u << 21) - 1;
+    return (static_cast<std::uint64_t>(c[0]) & kMask) << 42 |
+           (static_cast<std::uint64_t>(c[1]) & kMask) << 21 | (static_cast<std::uint64_t>(c[2]) & kMask);
+  }
+  double size_;
+  std::vector<std::pair<std::uint64_t, int>> entries_;
+};
+
+}  // namespace kappaflow
