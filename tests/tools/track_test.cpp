@@ -80,6 +80,7 @@ TriangleMesh directly_tracked(const std::string& method) {
   TrackerOptions options = description.tracker;
   options.method = method;
   options.remeshing.edge_length = description.edge_length * kSigma;
+  options.topology.follows_field = description.topology;
   RigidParticles start(at_rest, kThreshold, kBodyMotion, 0, dt);
   SurfaceTracker tracker(initial_mesh(*start.at(0), description.edge_length * kSigma, {}), options);
   for (int s = 0; s < kSteps; ++s) {
