@@ -81,7 +81,7 @@ struct SurfaceDescription {
   bool topology = true;    ///< and whether its topology does
   TrackerOptions tracker;  ///< method is set from `methods`; remeshing.edge_length from edge_length and
                            ///< sigma, topology.follows_field from `topology`
-  int stride = 1;  ///< solver steps per tracker step; a frame always ends one
+  int stride = 1;          ///< solver steps per tracker step; a frame always ends one
 };
 
 enum class TextureProjection { planar, spherical, box };

@@ -142,6 +142,7 @@ std::vector<std::vector<std::string>> table_of(const std::vector<Series>& all) {
   rows[0].emplace_back("best");
   for (const auto& [metric, best] : kMetrics) {
     std::vector<double> medians;
+    medians.reserve(all.size());
     for (const Series& series : all) medians.push_back(median_of(series.values(metric)));
     std::vector<std::string>& row = rows.emplace_back();
     row.emplace_back(metric);

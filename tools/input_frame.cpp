@@ -15,6 +15,7 @@
 #include <array>
 #include <cmath>
 #include <initializer_list>
+#include <span>
 #include <sstream>
 #include <string_view>
 

@@ -37,7 +37,7 @@ std::vector<std::string> methods_of_run(const fs::path& folder) {
 }
 
 std::vector<std::string> chosen_methods(const RenderOptions& options) {
-  const std::vector<std::string> tracked = methods_of_run(options.folder);
+  std::vector<std::string> tracked = methods_of_run(options.folder);
   if (options.methods.empty()) return tracked;
   for (const std::string& method : options.methods)
     if (std::ranges::find(tracked, method) == tracked.end())
@@ -67,8 +67,8 @@ int chosen_frame(const RenderOptions& options, const std::vector<std::string>& m
 
 /// The points of the first method's surface in the first and the last frame.
 vtkSmartPointer<vtkPolyData> both_ends(const fs::path& folder, const std::vector<std::string>& methods) {
-  const auto first = read_vtp(folder / surface_file(methods.front(), 0)),
-             last = read_vtp(folder / surface_file(methods.front(), frame_count(folder, methods) - 1));
+  auto first = read_vtp(folder / surface_file(methods.front(), 0));
+  const auto last = read_vtp(folder / surface_file(methods.front(), frame_count(folder, methods) - 1));
   const vtkIdType offset = first->GetNumberOfPoints();
   first->GetPoints()->InsertPoints(offset, last->GetNumberOfPoints(), 0, last->GetPoints());
   return first;

@@ -1,6 +1,10 @@
 // How often a closed mesh goes around each point of a lattice.
 #pragma once
 
+#include <cstdint>
+#include <span>
+#include <vector>
+
 #include "surface/field/field.h"
 
 namespace kappaflow {

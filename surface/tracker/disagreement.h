@@ -1,6 +1,10 @@
 // Where a mesh and the surface f = 0 that it stands for disagree.
 #pragma once
 
+#include <array>
+#include <span>
+#include <vector>
+
 #include "surface/field/field.h"
 #include "surface/mesh/triangle_mesh.h"
 

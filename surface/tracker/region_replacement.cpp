@@ -340,7 +340,8 @@ bool RegionReplacement::is_sound() const {
     for (int c = 0; c < 3; ++c) edges.emplace_back(t[c], t[(c + 1) % 3]);
   std::ranges::sort(edges);
   const auto once = [&](int u, int v) {
-    return std::ranges::equal_range(edges, std::pair(u, v)).size() == 1;
+    const auto [first, last] = std::equal_range(edges.begin(), edges.end(), std::pair(u, v));
+    return last - first == 1;
   };
   for (std::size_t t = kept; t < all.size(); ++t)
     for (int c = 0; c < 3; ++c)

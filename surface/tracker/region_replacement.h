@@ -1,6 +1,10 @@
 // Takes one region of a mesh out and puts the isosurface in.
 #pragma once
 
+#include <array>
+#include <span>
+#include <vector>
+
 #include "surface/mesh/isosurface.h"
 #include "surface/tracker/disagreement.h"
 #include "surface/tracker/topology.h"

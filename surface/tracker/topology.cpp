@@ -18,16 +18,17 @@ constexpr std::array kGrowth{2, 3, 4, 6};  // of a region, one entry a try [cell
 constexpr int kPasses = 3;                 // after the first with wider regions
 
 /// Groups of cells whose blocks touch, each ascending; in the order of their first cells' blocks.
-std::vector<std::vector<LatticeCell>> regions_of(std::vector<LatticeCell> cells) {
+std::vector<std::vector<LatticeCell>> regions_of(const std::vector<LatticeCell>& cells) {
   const auto block_of = [](const LatticeCell& c) {
     LatticeCell block;
     for (int a = 0; a < 3; ++a) block[a] = (c[a] >= 0 ? c[a] : c[a] - kCluster + 1) / kCluster;
     return block;
   };
   std::vector<std::pair<LatticeCell, LatticeCell>> by_block;
+  by_block.reserve(cells.size());
   for (const LatticeCell& c : cells) by_block.emplace_back(block_of(c), c);
   std::ranges::sort(by_block);
-  by_block.erase(std::ranges::unique(by_block).begin(), by_block.end());
+  by_block.erase(std::unique(by_block.begin(), by_block.end()), by_block.end());
   std::vector<char> taken(by_block.size(), 0);
   std::vector<std::vector<LatticeCell>> regions;
   std::vector<LatticeCell> pending;
