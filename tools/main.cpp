@@ -171,7 +171,7 @@ CLI::App* add_run(CLI::App& app, CommandLine& line) {
   return run;
 }
 
-/// Calls set(value) where the option is given a number above 0.
+/// An option that takes a number above 0.
 void add_positive(CLI::App& command, const std::string& name, std::optional<double>& value,
                   const std::string& text) {
   command

@@ -10,6 +10,7 @@
 
 #include "core/errors.h"
 #include "core/parallel.h"
+#include "core/quantile.h"
 #include "core/solid_distance.h"
 #include "surface/mesh/isosurface.h"
 #include "tools/frame_writer.h"
@@ -71,10 +72,7 @@ ParticleFieldOptions options_between(const ParticleSequence& sequence, std::size
 double fast_speed(const Particles& particles) {
   std::vector<double> speed;
   for (const Vec3& v : particles.velocity) speed.push_back(v.norm());
-  const auto chosen =
-      speed.begin() + static_cast<std::ptrdiff_t>(kShareOfFast * static_cast<double>(speed.size() - 1));
-  std::nth_element(speed.begin(), chosen, speed.end());
-  return *chosen;
+  return quantile(speed, kShareOfFast);
 }
 
 int steps_between(const Particles& before, const Particles& after, const ParticleFieldOptions& field) {
@@ -194,10 +192,7 @@ double surface_motion(const Field& before, const Field& after, double sigma) {
   std::vector<double> distance(to.vertex_count());
   parallel_for(distance.size(),
                [&](std::size_t v) { distance[v] = std::abs(surface.nearest(to.position[v]).distance); });
-  const auto chosen = distance.begin() +
-                      static_cast<std::ptrdiff_t>(kMeasuredShare * static_cast<double>(distance.size() - 1));
-  std::nth_element(distance.begin(), chosen, distance.end());
-  return *chosen / sigma;
+  return quantile(distance, kMeasuredShare) / sigma;
 }
 
 int track(const TrackOptions& options) {

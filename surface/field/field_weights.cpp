@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "core/errors.h"
+#include "core/quantile.h"
 #include "surface/field/particle_field.h"
 
 namespace kappaflow {
@@ -79,9 +80,7 @@ double particle_spacing(std::span<const Vec3> position) {
   if (!(nearest > 0)) throw InvalidInput("half of the particles coincide with others");
   const double s = kReach * nearest;
   std::vector<double> sum = kernel_sums(position, std::vector<double>(position.size(), 1.0), s);
-  const auto chosen = sum.begin() + static_cast<std::ptrdiff_t>(kShare * static_cast<double>(sum.size() - 1));
-  std::nth_element(sum.begin(), chosen, sum.end());
-  return s * std::cbrt(kKernelIntegral / *chosen);
+  return s * std::cbrt(kKernelIntegral / quantile(sum, kShare));
 }
 
 }  // namespace kappaflow

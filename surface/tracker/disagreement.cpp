@@ -14,6 +14,12 @@ constexpr double kFacing = 0.9;    // cosine to the sum of the corners' normals
 constexpr double kParallel = 2.7;  // length of that sum
 constexpr double kLongEdge = 4;    // in limits
 
+/// The sum of the unit outward normals at a triangle's corners.
+Vec3 sum_of_normals(std::span<const Vec3> gradient, const Triangle& triangle) {
+  const auto& [a, b, c] = triangle;
+  return -gradient[a].normalized() - gradient[b].normalized() - gradient[c].normalized();
+}
+
 /// Whether the field is not to be asked: the triangle is small and all that is known at its corners, which
 /// are on the surface, fits.
 bool is_plainly_on_surface(std::span<const Vec3> position, std::span<const Vec3> gradient,
@@ -21,7 +27,7 @@ bool is_plainly_on_surface(std::span<const Vec3> position, std::span<const Vec3>
   const auto& [a, b, c] = triangle;
   const Vec3 &x = position[a], &y = position[b], &z = position[c];
   const double longest = std::max({(x - y).squaredNorm(), (y - z).squaredNorm(), (z - x).squaredNorm()});
-  const Vec3 normals = -gradient[a].normalized() - gradient[b].normalized() - gradient[c].normalized();
+  const Vec3 normals = sum_of_normals(gradient, triangle);
   return longest < kLongEdge * kLongEdge * limit * limit && normals.norm() > kParallel &&
          facing(x, y, z, normals) > kFacing;
 }
@@ -51,7 +57,7 @@ LatticeCell cell_of(const SampledField& lattice, const Vec3& x) {
 bool is_off_surface(const Field& field, std::span<const Vec3> position, std::span<const Vec3> gradient,
                     const Triangle& triangle, double limit) {
   const auto& [a, b, c] = triangle;
-  const Vec3 normals = -gradient[a].normalized() - gradient[b].normalized() - gradient[c].normalized();
+  const Vec3 normals = sum_of_normals(gradient, triangle);
   if (!(facing(position[a], position[b], position[c], normals) > 0)) return true;
   const ValueAndGradient at = field.value_and_gradient((position[a] + position[b] + position[c]) / 3);
   return !(std::abs(at.f) <= limit * at.g.norm());
