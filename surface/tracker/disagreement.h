@@ -1,17 +1,14 @@
 // Where a mesh and the surface f = 0 that it stands for disagree.
 #pragma once
 
-#include <array>
 #include <span>
 #include <vector>
 
 #include "surface/field/field.h"
 #include "surface/mesh/triangle_mesh.h"
+#include "surface/tracker/cell_region.h"
 
 namespace kappaflow {
-
-/// Cells of a lattice, by the index of their lower corner; not bounded by the lattice's size.
-using LatticeCell = std::array<int, 3>;
 
 /// The cell of the lattice that holds x.
 LatticeCell cell_of(const SampledField& lattice, const Vec3& x);
