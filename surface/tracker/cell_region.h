@@ -26,10 +26,12 @@ class CellRegion {
     for (int a = 0; a < 3; ++a) dims_[a] = last[a] - first_[a] + 1;
     if (too_large()) return;
     in_.assign(static_cast<std::size_t>(dims_[0]) * dims_[1] * dims_[2], 0);
-    for (const LatticeCell& c : cells)
-      for (int k = c[2] - growth; k <= c[2] + growth; ++k)
-        for (int j = c[1] - growth; j <= c[1] + growth; ++j)
-          for (int i = c[0] - growth; i <= c[0] + growth; ++i) in_[index({i, j, k})] = 1;
+    for (const LatticeCell& c : cells) in_[index(c)] = 1;
+    std::size_t stride = 1;
+    for (int a = 0; a < 3; ++a) {
+      grow(stride, dims_[a], growth);
+      stride *= dims_[a];
+    }
   }
 
   /// Whether its box has more cells than memory should be spent on; it is empty then.
@@ -51,9 +53,22 @@ class CellRegion {
            static_cast<std::size_t>(dims_[0]) *
                (c[1] - first_[1] + static_cast<std::size_t>(dims_[1]) * (c[2] - first_[2]));
   }
+
+  /// Along one axis, on which neighbours are `stride` apart.
+  void grow(std::size_t stride, int dim, int growth) {
+    for (std::size_t at = 0; at < in_.size(); ++at) {
+      if (at / stride % dim != 0) continue;  // of each line its first cell
+      row_.assign(dim, 0);
+      for (int i = 0; i < dim; ++i)
+        if (in_[at + i * stride])
+          std::fill(row_.begin() + std::max(0, i - growth), row_.begin() + std::min(dim, i + growth + 1), 1);
+      for (int i = 0; i < dim; ++i) in_[at + i * stride] = row_[i];
+    }
+  }
+
   LatticeCell first_;
   std::array<int, 3> dims_{};
-  std::vector<char> in_;
+  std::vector<char> in_, row_;
 };
 
 }  // namespace kappaflow

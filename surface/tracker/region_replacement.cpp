@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kGap = 0.25;        // between the mesh and the patch, in edge lengths
 constexpr double kSameSide = 0.2;    // least cosine between normals of one sheet
-constexpr double kSurroundings = 2;  // reach of the triangles that a replacement looks at, in edge lengths
+constexpr double kSurroundings = 4;  // reach of the triangles that a replacement looks at, in edge lengths
 constexpr int kSidePadding = 2;      // cells between all that matters and the block's sides
 constexpr int kRounds = 20;          // of smoothing the rim
 constexpr int kAttempts = 12;        // at a region, each wider than the one before
@@ -66,19 +66,22 @@ std::vector<int> pieces_of(std::size_t vertices, std::span<const Triangle> trian
 
 bool RegionReplacement::replace(std::span<const LatticeCell> cells, int growth) {
   std::vector<LatticeCell> wider(cells.begin(), cells.end());
+  const int surroundings =
+      static_cast<int>(std::ceil(kSurroundings * setting_.edge_length / setting_.lattice.spacing));
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     const CellRegion region(wider, growth);
-    if (region.too_large()) return false;
+    const CellRegion around(wider, growth + surroundings);
+    if (around.too_large()) return false;
     in_the_way_.clear();
-    if (replace(region)) return true;
+    if (replace(region, around)) return true;
     if (std::ranges::all_of(in_the_way_, [&](const LatticeCell& c) { return region.has(c); })) ++growth;
     wider.insert(wider.end(), in_the_way_.begin(), in_the_way_.end());
   }
   return false;
 }
 
-bool RegionReplacement::replace(const CellRegion& region) {
-  take_out(region);
+bool RegionReplacement::replace(const CellRegion& region, const CellRegion& around) {
+  take_out(region, around);
   if (!smooth_rim()) return false;
   const LocalIsosurface iso =
       local_isosurface(setting_.field, setting_.lattice, block_around(region), setting_.tolerance);
@@ -96,38 +99,22 @@ bool RegionReplacement::replace(const CellRegion& region) {
 }
 
 /// Sorts the triangles into those with a corner in the region and those around that stay.
-void RegionReplacement::take_out(const CellRegion& region) {
-  std::vector<char> inside(mesh_.vertex_count());
-  parallel_for(inside.size(),
-               [&](std::size_t v) { inside[v] = region.has(cell_of(setting_.lattice, mesh_.position[v])); });
-  const LatticeBlock block = region.block();
-  Vec3 lower =
-      setting_.lattice.origin +
-      setting_.lattice.spacing * Eigen::Map<const Eigen::Vector3i>(block.first.data()).cast<double>();
-  Vec3 upper = setting_.lattice.origin +
-               setting_.lattice.spacing * Eigen::Map<const Eigen::Vector3i>(block.last.data()).cast<double>();
+void RegionReplacement::take_out(const CellRegion& region, const CellRegion& around) {
+  enum Place : char { outside, near, inside };
+  std::vector<char> place(mesh_.vertex_count());
+  parallel_for(place.size(), [&](std::size_t v) {
+    const LatticeCell cell = cell_of(setting_.lattice, mesh_.position[v]);
+    place[v] = region.has(cell) ? inside : around.has(cell) ? near : outside;
+  });
   removed_.clear();
-  for (int t = 0; t < static_cast<int>(mesh_.triangles.size()); ++t) {
-    const Triangle& triangle = mesh_.triangles[t];
-    if (triangle == kRemovedTriangle || std::ranges::none_of(triangle, [&](int v) { return inside[v]; }))
-      continue;
-    removed_.push_back(t);
-    for (const int v : triangle) {
-      lower = lower.cwiseMin(mesh_.position[v]);
-      upper = upper.cwiseMax(mesh_.position[v]);
-    }
-  }
-  const double reach = kSurroundings * setting_.edge_length;
-  const auto is_around = [&](int v) {
-    const Vec3& x = mesh_.position[v];
-    return ((x - lower).array() >= -reach).all() && ((x - upper).array() <= reach).all();
-  };
   kept_.clear();
   for (int t = 0; t < static_cast<int>(mesh_.triangles.size()); ++t) {
     const Triangle& triangle = mesh_.triangles[t];
-    if (triangle == kRemovedTriangle || std::ranges::any_of(triangle, [&](int v) { return inside[v]; }))
-      continue;
-    if (std::ranges::any_of(triangle, is_around)) kept_.push_back(t);
+    if (triangle == kRemovedTriangle) continue;
+    const auto& [a, b, c] = triangle;
+    const char innermost = std::max({place[a], place[b], place[c]});
+    if (innermost == inside) removed_.push_back(t);
+    if (innermost == near) kept_.push_back(t);
   }
 }
 

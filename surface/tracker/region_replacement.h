@@ -34,8 +34,8 @@ class RegionReplacement {
   TopologyCounts counts;
 
  private:
-  bool replace(const CellRegion& region);
-  void take_out(const CellRegion& region);
+  bool replace(const CellRegion& region, const CellRegion& around);
+  void take_out(const CellRegion& region, const CellRegion& around);
   bool smooth_rim();
   LatticeBlock block_around(const CellRegion& region) const;
   void cut_near_kept(const LocalIsosurface& iso);

@@ -122,6 +122,7 @@ TopologyCounts TopologyChange::change(const Field& field, const TopologyOptions&
     std::erase(mesh.triangles, kRemovedTriangle);
   }
   if (counts.replaced == 0) return counts;
+  steps_to_lattice_ = 1;
   finish(mesh, facts, history_);
   const auto first_born = std::ranges::lower_bound(history_.number, history_.vertices_at_start);
   counts.vertices_born = static_cast<std::size_t>(history_.number.end() - first_born);
