@@ -5,11 +5,13 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <functional>
+#include <sstream>
 
 #include "core/errors.h"
 #include "core/version.h"
@@ -268,16 +270,55 @@ CLI::App* add_probe(CLI::App& app, CommandLine& line) {
   return probe;
 }
 
+/// An option that takes numbers in one word, between commas. set: called with an array of them.
+template <std::size_t N, class Set>
+void add_numbers(CLI::App& command, const std::string& name, const std::string& form, const Set& set,
+                 const std::string& text) {
+  const auto set_words = [=](const std::string& word) {
+    std::array<double, N> numbers{};
+    std::istringstream stream(word);
+    char comma = ',';
+    for (std::size_t i = 0; i < N && comma == ','; ++i) {
+      stream >> numbers[i];
+      if (i + 1 < N) stream >> comma;
+    }
+    if (!stream || comma != ',' || stream.peek() != EOF ||
+        !std::ranges::all_of(numbers, [](double x) { return std::isfinite(x); }))
+      throw CLI::ValidationError(name, fmt::format("found \"{}\"; expected {}", word, form));
+    set(numbers);
+  };
+  command.add_option_function<std::string>(name, set_words, text)->type_name(form);
+}
+
 CLI::App* add_render(CLI::App& app, CommandLine& line) {
   CLI::App* render = app.add_subcommand("render", "Draw the surfaces of a run side by side");
   render->add_option("DIR", line.render.folder, "Run folder")->required();
-  render->add_option("--out", line.render.picture, "Picture (.png)")->required();
-  render->add_option("--frame", line.render.frame, "Frame (default: the last one)")
+  render->add_option("--out", line.render.out,
+                     "Picture (.png) or film (.mp4, by ffmpeg) (default: film.mp4 in the run folder)");
+  render->add_option("--frame", line.render.frame, "Frame of a picture (default: the last one)")
       ->check(whole_number(0, 9999999));
+  add_positive(*render, "--fps", line.render.frames_per_second,
+               "Frames a second of a film (default: as fast as the liquid moves)");
   add_methods(*render, "--methods", line.render.methods, "Methods to draw (default: those of the run)");
   render->add_option("--columns", line.render.columns, "Panels a row (default: all in one row)")
       ->check(whole_number(1, 100));
-  render->footer(footer("kappaflow render out/staircase --out picture.png --frame 40"));
+  render->add_option(
+      "--colour", line.render.colour,
+      "What colours the surfaces: checker, or any point array of theirs, vectors by their length "
+      "(default: checker)");
+  add_numbers<2>(
+      *render, "--range", "LOW,HIGH", [&](const auto& ends) { line.render.range = ends; },
+      "Values at the ends of the colour bar (default: those that 98 % of the vertices lie within)");
+  const auto direction = [](std::optional<Vec3>& set) {
+    return [&set](const std::array<double, 3>& v) { set = Vec3(v.data()); };
+  };
+  add_numbers<3>(*render, "--view", "X,Y,Z", direction(line.render.view_from),
+                 "Direction from the liquid to the viewer (default: the scene's)");
+  add_numbers<3>(*render, "--up", "X,Y,Z", direction(line.render.view_up),
+                 "What points up (default: the scene's; y for tracked files)");
+  render->footer(
+      footer("kappaflow render out/staircase --out picture.png --frame 40\n"
+             "  kappaflow render out/staircase --methods total,regional --colour mean_curvature"));
   return render;
 }
 
@@ -348,7 +389,7 @@ int execute(const CLI::App& app, CommandLine& line, char** argv) {
   if (app.got_subcommand("compare")) fmt::print("{}", compare(line.compare));
   if (app.got_subcommand("render")) {
     ensure_display(argv);
-    render(line.render);
+    return render(line.render);
   }
   if (app.got_subcommand("experiment")) {
     ensure_display(argv);
