@@ -149,11 +149,11 @@ void add_formats(CLI::App& command, std::vector<MeshFormat>& formats) {
   };
   command
       .add_option_function<std::vector<std::string>>(
-          "--format", set, "Surface files: vtk (always written), obj, ply (default: vtk)")
+          "--format", set, "Surface files: vtk (always written), obj, ply, glb (default: vtk)")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->type_name("NAMES")
-      ->check(one_of({"vtk", "obj", "ply"}));
+      ->check(one_of({"vtk", "obj", "ply", "glb"}));
 }
 
 CLI::App* add_run(CLI::App& app, CommandLine& line) {

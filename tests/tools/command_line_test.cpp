@@ -66,7 +66,7 @@ TEST_F(CommandLine, MistakesAreOneLineAndExitCodeTwo) {
       {{"track", "a_*.vtk", "--sigma", "wide"}, 2, "--sigma: found \"wide\"; expected a number above 0"},
       {{"track", "a_*.vtk", "--velocity", "bogus"}, 2, "found \"bogus\"; expected one of "},
       {{"track", "a_*.vtk", "--velocity", "total,total"}, 2, "\"total\" is named twice"},
-      {{"track", "a_*.vtk", "--format", "stl"}, 2, "found \"stl\"; expected one of vtk, obj, ply"},
+      {{"track", "a_*.vtk", "--format", "stl"}, 2, "found \"stl\"; expected one of vtk, obj, ply, glb"},
       {{"track", "/nowhere/a_*.vtk"}, 5, "/nowhere/a_*.vtk: there is no such file"},
       {{"track", kFrames}, 2, "the files hold no times; say how many frames a second they are by --fps"},
   };
