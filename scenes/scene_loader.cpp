@@ -325,7 +325,7 @@ void read_output(TomlTable t, double duration, const Vec3& gravity, OutputDescri
   output.checker_size = t.number("checker_size", positive("sigma", 1e3), output.checker_size);
   output.texture = t.choice("texture", kProjections, std::optional(output.texture));
   const bool falls = gravity.norm() > 0;
-  output.view = view_with(t.vector("view_up", "", falls ? Vec3(-gravity) : View{}.up));
+  output.view = view_with(t.vector("view_up", "", falls ? Vec3(Vec3::Zero() - gravity) : View{}.up));
   output.view.from = t.vector("view_from", "", output.view.from);
   t.finish();
   if (!(output.report_axis.norm() > 1e-12)) t.refuse("report_axis", "a direction, not the zero vector");
