@@ -10,6 +10,7 @@
 
 #include "core/errors.h"
 #include "core/types.h"
+#include "scenes/view.h"
 #include "solver/fluid_solver.h"
 #include "surface/field/particle_motion.h"
 #include "surface/tracker/surface_tracker.h"
@@ -91,6 +92,7 @@ struct OutputDescription {
   Vec3 report_axis{0, 0, 1};  ///< axis of rotation_captured, normalised
   double checker_size = 4;    ///< edge of a checker cube in units of sigma
   TextureProjection texture = TextureProjection::box;
+  View view;  ///< of pictures
 };
 
 struct Scene {
