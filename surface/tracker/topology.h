@@ -42,8 +42,8 @@ struct TopologyCounts {
 /// around are taken out, f = 0 is extracted there, what of it is nearer to the triangles left than a
 /// quarter of an edge is cut away, and the loops of both sides are joined by strips of triangles; a loop that
 /// finds no partner is filled. The result is taken if every new triangle is a piece of f = 0
-/// (is_off_surface()), passes through no other, and has three neighbours; else a wider region is tried, three
-/// times, and then counted as refused.
+/// (is_off_surface()), passes through no other, and has three neighbours; else the region is widened where it
+/// was not, some times, and then counted as refused.
 ///
 /// Vertices outside keep place, id and attributes; new ones have new ids and the attributes of the nearest
 /// point of the triangles taken out, or their own place as rest_position where there were none. Regions are

@@ -153,6 +153,8 @@ Contest make_contest(const EnrightOptions& options, const Field& field) {
   tracker.remeshing.edge_length = 0;
   const TriangleMesh start = initial_mesh(field, options.edge_length, tracker.projection);
   for (const std::string& method : options.methods) contest.add(start, method, tracker);
+  // The flow tears the particles' surface; that of the exact function keeps its topology.
+  tracker.topology.follows_field = options.spacing > 0;
   for (const double edge : options.remeshed) {
     tracker.remeshing.edge_length = edge;
     const TriangleMesh remeshed_start = initial_mesh(field, edge, tracker.projection);
@@ -184,7 +186,8 @@ std::vector<MethodResult> track_all(const EnrightOptions& options, const MotionB
       SurfaceTracker& tracker = contest.trackers[m];
       MethodResult& result = contest.results[m];
       const TrackerStep step = tracker.step(*motion);
-      result.seconds += shared_seconds + step.velocity_seconds + step.fairing_seconds + step.remesh_seconds;
+      result.seconds += shared_seconds + step.velocity_seconds + step.fairing_seconds +
+                        step.topology_seconds + step.remesh_seconds;
       const auto field = motion->at(motion->t1());
       if (2 * (n + 1) == options.steps) result.half = measure(tracker, *field, at_half);
       if (n + 1 == options.steps) result.end = measure(tracker, *field, at_end);
