@@ -20,6 +20,7 @@
 #include <string_view>
 
 #include "core/errors.h"
+#include "tools/bgeo_file.h"
 #include "tools/files.h"
 #include "tools/number_table.h"
 #include "tools/vtk_messages.h"
@@ -193,6 +194,29 @@ InputFrame frame_from_csv(const fs::path& file) {
   return frame;
 }
 
+InputFrame frame_from_bgeo(const fs::path& file) {
+  const BgeoPoints points = read_bgeo(file);
+  InputFrame frame;
+  frame.position = points.position;
+  if (const BgeoPoints::Attribute* id = points.find("id", 1)) {
+    frame.id_name = id->name;
+    for (const double value : id->value) frame.id.push_back(static_cast<std::int64_t>(value));
+  }
+  for (const char* name : {"velocity", "v"})
+    if (const BgeoPoints::Attribute* velocity = points.find(name, 3); velocity && frame.velocity.empty()) {
+      frame.velocity_name = velocity->name;
+      for (std::size_t i = 0; i < frame.position.size(); ++i)
+        frame.velocity.emplace_back(Eigen::Map<const Vec3>(&velocity->value[3 * i]));
+    }
+  const auto copy = [&](const char* name, std::vector<float>& values) {
+    if (const BgeoPoints::Attribute* attribute = points.find(name, 1))
+      values.assign(attribute->value.begin(), attribute->value.end());
+  };
+  copy("density", frame.density);
+  copy("pressure", frame.pressure);
+  return frame;
+}
+
 void check_finite(std::span<const Vec3> values, const char* what, const InputFrame& frame,
                   const fs::path& file) {
   const auto found = std::ranges::find_if_not(values, [](const Vec3& v) { return v.allFinite(); });
@@ -208,10 +232,13 @@ void check_finite(std::span<const Vec3> values, const char* what, const InputFra
 InputFrame read_input_frame(const fs::path& file) {
   const std::string kind = lower_case(file.extension().string());
   const bool vtk = kind == ".vtk" || kind == ".vtp" || kind == ".vtu";
-  if (!vtk && kind != ".csv")
-    throw InvalidInput({file.string()}, "unknown kind of particle file; expected .vtk, .vtp, .vtu or .csv");
+  if (!vtk && kind != ".csv" && kind != ".bgeo")
+    throw InvalidInput({file.string()},
+                       "unknown kind of particle file; expected .vtk, .vtp, .vtu, .bgeo or .csv");
   check_readable(file);
-  InputFrame frame = vtk ? frame_from_vtk(file, kind) : frame_from_csv(file);
+  InputFrame frame = vtk               ? frame_from_vtk(file, kind)
+                     : kind == ".bgeo" ? frame_from_bgeo(file)
+                                       : frame_from_csv(file);
   if (frame.position.empty())
     throw InvalidInput(
         {file.string()},

@@ -26,6 +26,7 @@ struct InputFrame {
 /// Reads, by the ending of the name,
 ///   .vtk       legacy VTK, text or binary, polydata or unstructured grid (SPlisHSPlasH, DualSPHysics)
 ///   .vtp .vtu  VTK XML (kappaflow, PySPH)
+///   .bgeo      Partio's, version 5 (SPlisHSPlasH): id, velocity or v, density, pressure
 ///   .csv       with the header x,y,z or id,x,y,z and perhaps ,vx,vy,vz
 /// VTK's arrays are known by these names, in upper or lower case: id, ids, idp, gid, particle_id;
 /// velocity, vel, v (3 components) or u, v, w or vx, vy, vz; density, rho, rhop; pressure, press, p; the

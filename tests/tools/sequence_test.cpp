@@ -1,12 +1,14 @@
 // Frames of other simulators: which files belong together, what is read from them, and what is wrong with
 // them.
 #include <algorithm>
+#include <map>
 
 #include "core/errors.h"
 #include "tests/tools/scratch.h"
 #include "tests/tools/sequence_files.h"
 #include "tools/data_files.h"
 #include "tools/file_series.h"
+#include "tools/files.h"
 #include "tools/input_frame.h"
 #include "tools/particle_sequence.h"
 
@@ -36,6 +38,44 @@ TEST_F(Sequence, FilesSortByTheirNumber) {
   EXPECT_EQ(found.name, "p");
   EXPECT_EQ(found.gap, "");
   EXPECT_EQ(file_series(std::vector{path("p_9.csv"), path("p_8.csv")}).files.front(), path("p_8.csv"));
+}
+
+/// Where the particle of each id is and how fast, of a file of SPlisHSPlasH's.
+std::map<std::int64_t, std::pair<Vec3, Vec3>> by_id(const char* name) {
+  const InputFrame frame =
+      read_input_frame(fs::path(KAPPAFLOW_SOURCE_DIR "/tests/data/splishsplash/bgeo") / name);
+  EXPECT_EQ(frame.density.size(), frame.position.size());
+  std::map<std::int64_t, std::pair<Vec3, Vec3>> particles;
+  for (std::size_t i = 0; i < frame.position.size(); ++i)
+    particles[frame.id.at(i)] = {frame.position[i], frame.velocity.at(i)};
+  return particles;
+}
+
+TEST_F(Sequence, PartiosFilesHoldWhatTheSameSimulatorsVtkFilesHold) {
+  const auto partio = by_id("ParticleData_Fluid_2.bgeo"), vtk = by_id("ParticleData_Fluid_2.vtk");
+  EXPECT_EQ(partio.size(), 80u);
+  EXPECT_EQ(partio, vtk);
+}
+
+TEST_F(Sequence, DamagedPartioFilesAreSaid) {
+  const std::string whole =
+      read_file(fs::path(KAPPAFLOW_SOURCE_DIR "/tests/data/splishsplash/bgeo/ParticleData_Fluid_2.bgeo"));
+  const auto complains = [&](const std::string& content) {
+    const fs::path damaged = file("damaged.bgeo", content);
+    const std::string message = message_of<IoError>([&] { read_input_frame(damaged); });
+    EXPECT_TRUE(message.starts_with(damaged.string())) << message;
+    return message.substr(std::min(message.size(), damaged.string().size()));
+  };
+  EXPECT_EQ(complains("id,x,y,z\n"), ": is no .bgeo file of version 5");
+  EXPECT_EQ(complains(std::string("BgeoV\0\0\0\4", 9)), ": is of version 4; .bgeo is read in version 5");
+  for (const std::size_t share : {0, 1, 2, 3}) {
+    const std::string message = complains(whole.substr(0, share * whole.size() / 4));
+    EXPECT_EQ(message, ": is damaged or not complete (it ends early)") << share;
+  }
+  std::string unknown = std::string("BgeoV\0\0\0\5", 9) + std::string(16, '\0');
+  unknown += std::string("\0\0\0\1", 4) + std::string(12, '\0');  // one attribute
+  unknown += std::string("\0\2id\0\1\0\0\0\7", 10);               // of type 7
+  EXPECT_EQ(complains(unknown), ": is damaged or not complete (attribute \"id\" is of the unknown type 7)");
 }
 
 TEST_F(Sequence, FilesThatAreNoSeriesAreSaid) {
@@ -121,7 +161,8 @@ TEST_F(Sequence, WrongFilesAreSaidInOneLine) {
   EXPECT_EQ(complains("a.csv", "id,x,y,z\n7,1,2\n"), ":2: found 3 values; expected 4");
   EXPECT_EQ(complains("a.csv", "a,b\n1,2\n"), ":1: found the header \"a,b\"; expected \"x,y,z\"");
   EXPECT_EQ(complains("a.csv", "x,y,z\n"), ": holds no particles");
-  EXPECT_EQ(complains("a.xyz", ""), ": unknown kind of particle file; expected .vtk, .vtp, .vtu or .csv");
+  EXPECT_EQ(complains("a.xyz", ""),
+            ": unknown kind of particle file; expected .vtk, .vtp, .vtu, .bgeo or .csv");
   Particles odd = moved_block(kBodyMotion, 0);
   odd.position[2] = Vec3(0, std::nan(""), 1);
   EXPECT_EQ(complains("a.vtk", splishsplash_text(odd)),
