@@ -35,7 +35,7 @@ constexpr int kExitUnexpected = 1;
 constexpr const char* kExitCodes =
     "Exit codes:\n"
     "  0 done   2 wrong input or command line   3 the simulation failed   4 broken mesh\n"
-    "  5 a file cannot be read or written   130 interrupted (Ctrl-C)";
+    "  5 a file cannot be read or written   130 interrupted (Ctrl-C)   143 ended (SIGTERM)";
 
 std::string footer(const std::string& example) {
   return "Example:\n  " + example + "\n\n" + kExitCodes;
@@ -156,7 +156,9 @@ void add_formats(CLI::App& command, std::vector<MeshFormat>& formats) {
 
 CLI::App* add_run(CLI::App& app, CommandLine& line) {
   CLI::App* run = app.add_subcommand("run", "Simulate a scene and track its surface");
-  run->add_option("SCENE", line.run.scene, "Scene file (.toml)")->required();
+  CLI::Option* scene = run->add_option("SCENE", line.run.scene, "Scene file (.toml)");
+  CLI::Option* resume = run->add_option("--resume", line.run.resume,
+                                        "Go on with the interrupted run in this folder, with its options");
   run->add_option("--out", line.run.folder, "Folder for the results (default: out/<name of the scene>)");
   add_methods(*run, "--track", line.run.methods, "Velocity methods to track with (default: the scene's)");
   run->add_option("--duration", line.duration, "Simulated time in seconds (default: the scene's)")
@@ -166,8 +168,14 @@ CLI::App* add_run(CLI::App& app, CommandLine& line) {
   add_threads(*run, line);
   run->add_flag("--force", line.run.force, "Replace the run that the folder already holds");
   run->add_flag("--quiet", line.run.quiet, "Print errors only");
+  for (const char* name : {"--out", "--track", "--duration", "--minimiser", "--format", "--force"})
+    resume->excludes(run->get_option(name));
+  run->callback([scene, resume] {
+    if (scene->empty() && resume->empty()) throw CLI::RequiredError("SCENE or --resume DIR");
+  });
   run->footer(method_lines() + "\n" +
-              footer("kappaflow run scenes/staircase.toml --track total,curvature --threads 4"));
+              footer("kappaflow run scenes/staircase.toml --track total,curvature --threads 4\n"
+                     "  kappaflow run --resume out/staircase"));
   return run;
 }
 

@@ -29,8 +29,8 @@ TEST(Metrics, SphereOfOneParticle) {
   const VertexRings rings = vertex_rings(mesh.vertex_count(), mesh.triangles);
   const SurfaceState state = surface_state(*field, mesh, rings, velocity_method("normal"), {});
   FrameMetrics frame;
-  measure_isosurface(*field, 1, frame);
-  const SurfaceMetrics metrics = surface_metrics(*field, frame, mesh, rings, state, Vec3(0, 0, 1));
+  const TriangleMesh isosurface = measure_isosurface(*field, 1, frame);
+  const SurfaceMetrics metrics = surface_metrics(*field, isosurface, mesh, rings, state, Vec3(0, 0, 1));
   EXPECT_EQ(metrics.vertices, mesh.vertex_count());
   EXPECT_EQ(metrics.triangles, mesh.triangles.size());
   EXPECT_EQ(metrics.topology.components, 1);
@@ -97,7 +97,7 @@ TEST(MetricsTable, HasTheDocumentedColumns) {
 }
 
 TEST(MetricsTable, RowMatchesTheHeader) {
-  FrameMetrics frame{7, 0.28, 1000, 0.25, 1.0 / 3.0, 0.02, 0.75, {2, 3}, {}};
+  FrameMetrics frame{7, 0.28, 1000, 0.25, 1.0 / 3.0, 0.02, 0.75, {2, 3}};
   SurfaceMetrics surface;
   surface.vertices = 12;
   surface.triangles = 20;
