@@ -324,7 +324,8 @@ void read_output(TomlTable t, double duration, OutputDescription& output) {
   output.report_axis = t.vector("report_axis", "", output.report_axis);
   output.checker_size = t.number("checker_size", positive("sigma", 1e3), output.checker_size);
   output.texture = t.choice("texture", kProjections, std::optional(output.texture));
-  output.checkpoint_interval = t.integer("checkpoint_interval", 1, kMaxIterations, output.checkpoint_interval);
+  output.checkpoint_interval =
+      t.integer("checkpoint_interval", 1, kMaxIterations, output.checkpoint_interval);
   t.finish();
   if (!(output.report_axis.norm() > 1e-12)) t.refuse("report_axis", "a direction, not the zero vector");
   output.report_axis.normalize();

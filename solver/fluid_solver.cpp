@@ -23,8 +23,8 @@ namespace kappaflow {
 namespace {
 
 // Errors at the last iteration beyond which the flow is no longer the liquid's.
-constexpr double kFailedViscosity = 0.5;  // relative residual [1]
-constexpr double kFailedPressure = 0.02;  // mean compression [1]
+constexpr double kFailedViscosity = 0.1;  // relative residual [1]
+constexpr double kFailedPressure = 0.01;  // mean compression [1]
 
 void accelerate(FluidParticles& particles, const Vec4f& acceleration, float time_step) {
   parallel_for(particles.size(), [&](std::size_t i) {
@@ -230,12 +230,14 @@ double FluidSolver::State::time_step(double time_left) const {
     throw InvalidInput(fmt::format("time left for the step = {} s; must be above 0", time_left));
   const double needed = cfl_time_step(std::max({fastest, emitters.fastest(), walls.fastest()}),
                                       options.gravity.norm(), options.cfl * options.spacing);
-  if (needed < options.min_time_step)
+  if (needed < options.min_time_step) {
+    check_finite();
     throw SolverFailure(
         time, steps + 1, fastest_particle(particles),
         fmt::format("such a speed needs a time step of {:.3g} s, below min_time_step = {:.3g} s; lower cfl "
                     "or max_time_step if the flow explodes, else min_time_step",
                     needed, options.min_time_step));
+  }
   const double capillary = capillary_time_step(options.surface_tension, options.density, options.spacing);
   return fit_time_step(std::min({needed, capillary, options.max_time_step}), time_left);
 }

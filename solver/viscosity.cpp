@@ -121,8 +121,7 @@ ViscositySolve ViscositySolver::solve(FluidParticles& particles, const Neighbour
   const auto sum = [n](const auto& value) { return parallel_sum<double>(n, 0.0, value); };
   const double first = sum([&](std::size_t i) {
     residual[i] = velocity[i] - apply_to(i, particles, lists, walls, time_step, velocity);
-    if (walls.touches(i))
-      residual[i] += time_step * wall_viscosity_[particles.fluid[i]] * walls.drive(i);
+    if (walls.touches(i)) residual[i] += time_step * wall_viscosity_[particles.fluid[i]] * walls.drive(i);
     if (particles.led_by[i] != 0) residual[i].setZero();
     return dot(residual[i], residual[i]);
   });

@@ -19,7 +19,8 @@ FrameWriter::FrameWriter(const OutputDescription& output, const TrackedSurfaces&
 void FrameWriter::write(FrameMetrics metrics, const ParticleFrame& particles, SurfacesSinceFrame since_frame,
                         const Stopwatch& watch, RunSummary& summary) {
   metrics.particles = particles.particles.size();
-  const TriangleMesh isosurface = measure_isosurface(surfaces_.field(), surfaces_.field_options().sigma, metrics);
+  const TriangleMesh isosurface =
+      measure_isosurface(surfaces_.field(), surfaces_.field_options().sigma, metrics);
   folder_.write_particles(metrics.frame, *particle_data(particles));
   const double shared_seconds = watch.seconds();
 
@@ -55,7 +56,8 @@ SurfaceMetrics FrameWriter::write_surface(const FrameMetrics& frame, const Trian
     folder_.write_mesh(frame.frame, method, format,
                        mesh_text(format, {mesh.position, state.normal, texture, checker, mesh.triangles}));
 
-  SurfaceMetrics metrics = surface_metrics(field, isosurface, mesh, tracker.rings(), state, output_.report_axis);
+  SurfaceMetrics metrics =
+      surface_metrics(field, isosurface, mesh, tracker.rings(), state, output_.report_axis);
   metrics.residual_max = std::max(metrics.residual_max, since_frame.residual_max[m]);
   metrics.regions_replaced = since_frame.topology[m].replaced;
   metrics.regions_refused = since_frame.topology[m].refused;

@@ -59,8 +59,8 @@ Scene resumed_scene(const RunPoint& point, const fs::path& folder, const fs::pat
     throw InvalidInput({(folder / kSceneFile).string()},
                        "the scene, or a mesh that it names, has changed since the run began");
   if (!named.empty() && read_file(named) != text)
-    throw InvalidInput({named.string()}, fmt::format("is not the scene that the run in {} began with",
-                                                     folder.string()));
+    throw InvalidInput({named.string()},
+                       fmt::format("is not the scene that the run in {} began with", folder.string()));
   return scene;
 }
 
@@ -85,7 +85,8 @@ RunSummary resume(const RunOptions& options, const InterruptGuard& guard) {
   point.options.quiet = options.quiet;
   const Scene scene = resumed_scene(point, folder.path(), options.scene);
   RunSummary complete;
-  complete.text = fmt::format("{}: the run is complete, {} frames\n", folder.path().string(), point.frame + 1);
+  complete.text =
+      fmt::format("{}: the run is complete, {} frames\n", folder.path().string(), point.frame + 1);
   if (point.frame == FrameTimes(scene).count) return complete;
 
   require_memory(scene, machine_memory());

@@ -17,7 +17,7 @@ namespace kappaflow {
 struct MethodSummary {
   std::string name;
   std::vector<SurfaceMetrics> frames;  ///< without their `pieces`, of which there may be many
-  PhaseSeconds seconds;  ///< summed over the frames
+  PhaseSeconds seconds;                ///< summed over the frames
 
   double residual_max() const;  ///< largest of all frames [sigma]
 
