@@ -24,6 +24,7 @@ void FrameWriter::write(FrameMetrics metrics, const ParticleFrame& particles, Su
   folder_.write_particles(metrics.frame, *particle_data(particles));
   const double shared_seconds = watch.seconds();
 
+  const double memory = resident_memory();
   FrameRows rows;
   summary.methods.resize(surfaces_.trackers().size());
   for (std::size_t m = 0; m < surfaces_.trackers().size(); ++m) {
@@ -33,7 +34,7 @@ void FrameWriter::write(FrameMetrics metrics, const ParticleFrame& particles, Su
     since_frame.seconds[m].output = shared_seconds + surface_watch.seconds();
     rows.metrics += metrics_row(metrics, method, surface);
     rows.pieces += pieces_rows(metrics, method, surface);
-    rows.timings += timings_row(metrics.frame, metrics.time, method, since_frame.seconds[m]);
+    rows.timings += timings_row(metrics.frame, metrics.time, method, since_frame.seconds[m], memory);
     summary.methods[m].add_frame(method, surface, since_frame.seconds[m]);
   }
   folder_.finish_frame(metrics.time, rows);

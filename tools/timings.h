@@ -24,8 +24,12 @@ struct PhaseSeconds {
   }
 };
 
-/// One line each, with the line's end; milliseconds.
+/// The physical memory that the program holds [MiB].
+double resident_memory();
+
+/// One line each, with the line's end; times in milliseconds, memory in MiB.
 std::string timings_header();
-std::string timings_row(int frame, double time, const std::string& method, const PhaseSeconds& seconds);
+std::string timings_row(int frame, double time, const std::string& method, const PhaseSeconds& seconds,
+                        double memory);
 
 }  // namespace kappaflow
