@@ -39,7 +39,7 @@ struct FairingState {
   /// See core/saved_state.h; for the fairing_state() of the same mesh.
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(rest_length, mobility, gradient);
+    archive(rest_length);  // the rest follows from the next step
   }
 };
 

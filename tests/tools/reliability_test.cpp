@@ -9,6 +9,7 @@
 #include <set>
 
 #include "surface/motion/velocity.h"
+#include "tests/tools/everything_scene.h"
 #include "tests/tools/full_disk.h"
 #include "tests/tools/program.h"
 #include "tests/tools/scratch.h"
@@ -21,49 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::string kSmallScene = KAPPAFLOW_SOURCE_DIR "/scenes/staircase-small.toml";
-
-/// Everything that a state can hold: two emitters and viscosities, a turning wall, tension, lone drops, and
-/// frames in the middle of the surfaces' strides.
-constexpr const char* kEverything = R"(
-duration = 0.12
-[fluid]
-spacing = 0.05
-kinematic_viscosity = 0.5
-surface_tension = 0.05
-[[fluid.block]]
-shape = "box"
-lower = [-0.2, 0.05, -0.2]
-upper = [0.2, 0.35, 0.2]
-velocity = [0, -0.5, 0]
-[[fluid.emitter]]
-shape = "disc"
-position = [0, 0.7, 0]
-direction = [0, -1, 0]
-radius = 0.1
-speed = 2.0
-kinematic_viscosity = 2.0
-[[fluid.emitter]]
-shape = "disc"
-position = [0.5, 0.4, 0]
-direction = [-1, 0, 0]
-radius = 0.1
-speed = 1.5
-start = 0.04
-particle_limit = 60
-[[wall]]
-shape = "box"
-lower = [-0.6, -0.2, -0.6]
-upper = [0.6, 0.0, 0.6]
-axis = [0, 1, 0]
-[[wall.motion]]
-angular_velocity = 3
-[surface]
-methods = ["curvature", "regional"]
-weights = "normalised"
-stride = 3
-[output]
-frames_per_second = 40
-)";
 
 class Reliability : public Scratch {
  protected:
@@ -123,19 +81,20 @@ TEST_F(Reliability, SameBitsWhateverTheThreadsWithEveryMethod) {
 TEST_F(Reliability, KilledRunsGoOnToTheSameBits) {
   const char* wanted = std::getenv("KAPPAFLOW_KILLS");
   const int kills = wanted ? std::atoi(wanted) : 6;
-  ASSERT_EQ(run_program(words_to_run(kSmallScene, folder / "whole")).exit_code, 0);
+  const std::string scene = file("scene.toml", bytes_of(kSmallScene) + "checkpoint_interval = 2\n").string();
+  ASSERT_EQ(run_program(words_to_run(scene, folder / "whole")).exit_code, 0);
   std::mt19937 random(1);
   const fs::path out = folder / "killed";
   for (int done = 0; done < kills;) {
     fs::remove_all(out);
-    done += run_with_stops(words_to_run(kSmallScene, out), out, SIGKILL, 0.6, random);
+    done += run_with_stops(words_to_run(scene, out), out, SIGKILL, 0.6, random);
     expect_same_results(folder / "whole", out);
     if (HasFailure()) return;
   }
 }
 
 TEST_F(Reliability, SignalsBetweenFramesLeaveTheWholeStateToGoOnFrom) {
-  const std::string scene = file("everything.toml", kEverything).string();
+  const std::string scene = file("everything.toml", kEverythingScene).string();
   const auto words = [&](const char* out) {
     return std::vector<std::string>{"run", scene, "--out", (folder / out).string()};
   };
