@@ -9,9 +9,7 @@
 namespace kappaflow {
 
 SurfaceTracker::SurfaceTracker(TriangleMesh initial_mesh, const TrackerOptions& options)
-    : options_(options),
-      method_(velocity_method(options.method)),
-      mesh_(std::move(initial_mesh)) {
+    : options_(options), method_(velocity_method(options.method)), mesh_(std::move(initial_mesh)) {
   start_from_mesh();
 }
 
