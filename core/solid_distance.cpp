@@ -13,7 +13,6 @@
 #include <utility>
 
 #include "core/errors.h"
-#include "core/nearest_on_triangle.h"
 
 namespace kappaflow {
 namespace {
@@ -21,8 +20,6 @@ namespace {
 using enum NearestOnTriangle::Feature;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr int kLeafTriangles = 4;
-constexpr std::size_t kMaxTreeDepth = 64;  // the median split halves the triangles, so 2^64 would fit
 
 double angle_at(const Vec3& corner, const Vec3& p, const Vec3& q) {
   const Vec3 u = p - corner, v = q - corner;
@@ -50,6 +47,31 @@ std::vector<Side> sorted_sides(const TriangleSurface& surface) {
   return sides;
 }
 
+/// Of each triangle: the pseudonormals of its face, edges (sum of both sides' normals) and corners (sum over
+/// the triangles around, weighted with their angles there), by NearestOnTriangle::Feature.
+std::vector<std::array<Vec3, 7>> pseudonormals(const TriangleSurface& surface) {
+  std::vector<std::array<Vec3, 7>> normals(surface.triangles.size());
+  std::vector<Vec3> vertex_normal(surface.vertices.size(), Vec3::Zero());
+  for (std::size_t t = 0; t < normals.size(); ++t) {
+    const Triangle& triangle = surface.triangles[t];
+    const auto corner = [&](int k) -> const Vec3& { return surface.vertices[triangle[k % 3]]; };
+    normals[t][face] = (corner(1) - corner(0)).cross(corner(2) - corner(0)).normalized();
+    for (int k = 0; k < 3; ++k)
+      vertex_normal[triangle[k]] += angle_at(corner(k), corner(k + 1), corner(k + 2)) * normals[t][face];
+  }
+  for (std::size_t t = 0; t < normals.size(); ++t)
+    for (int k = 0; k < 3; ++k) normals[t][corner_0 + k] = vertex_normal[surface.triangles[t][k]];
+
+  const std::vector<Side> sides = sorted_sides(surface);
+  for (std::size_t first = 0, last = 0; first < sides.size(); first = last) {
+    Vec3 sum = Vec3::Zero();
+    for (; last < sides.size() && sides[last].edge == sides[first].edge; ++last)
+      sum += normals[sides[last].triangle][face];
+    for (std::size_t s = first; s < last; ++s) normals[sides[s].triangle][edge_0 + sides[s].k] = sum;
+  }
+  return normals;
+}
+
 void check(const TriangleSurface& surface) {
   for (const Vec3& vertex : surface.vertices)
     if (!vertex.allFinite()) throw InvalidInput("wall: a vertex is not finite");
@@ -64,92 +86,24 @@ void check(const TriangleSurface& surface) {
 
 SolidDistance::SolidDistance(const TriangleSurface& surface) {
   check(surface);
-  set_faces(surface);
-  std::erase_if(faces_, [](const Face& f) { return f.normal[face].isZero(0); });
-  if (faces_.empty()) throw InvalidInput("wall: no triangle has an area");
-  build(0, static_cast<std::uint32_t>(faces_.size()));
-}
-
-/// The triangles with the pseudonormals of their faces, edges (sum of both sides' normals) and corners (sum
-/// over the triangles around, weighted with their angles there).
-void SolidDistance::set_faces(const TriangleSurface& surface) {
-  faces_.resize(surface.triangles.size());
-  std::vector<Vec3> vertex_normal(surface.vertices.size(), Vec3::Zero());
-  for (std::size_t t = 0; t < faces_.size(); ++t) {
-    auto& [corner, normal] = faces_[t];
-    for (int k = 0; k < 3; ++k) corner[k] = surface.vertices[surface.triangles[t][k]];
-    normal[face] = (corner[1] - corner[0]).cross(corner[2] - corner[0]).normalized();
-    for (int k = 0; k < 3; ++k)
-      vertex_normal[surface.triangles[t][k]] +=
-          angle_at(corner[k], corner[(k + 1) % 3], corner[(k + 2) % 3]) * normal[face];
+  const std::vector<Normals> normals = pseudonormals(surface);
+  std::vector<TriangleTree::Corners> corners;
+  for (std::size_t t = 0; t < normals.size(); ++t) {
+    if (normals[t][face].isZero(0)) continue;
+    const auto& [a, b, c] = surface.triangles[t];
+    corners.push_back({surface.vertices[a], surface.vertices[b], surface.vertices[c]});
+    normals_.push_back(normals[t]);
   }
-  for (std::size_t t = 0; t < faces_.size(); ++t)
-    for (int k = 0; k < 3; ++k) faces_[t].normal[corner_0 + k] = vertex_normal[surface.triangles[t][k]];
-
-  const std::vector<Side> sides = sorted_sides(surface);
-  for (std::size_t first = 0, last = 0; first < sides.size(); first = last) {
-    Vec3 sum = Vec3::Zero();
-    for (; last < sides.size() && sides[last].edge == sides[first].edge; ++last)
-      sum += faces_[sides[last].triangle].normal[face];
-    for (std::size_t s = first; s < last; ++s) faces_[sides[s].triangle].normal[edge_0 + sides[s].k] = sum;
-  }
-}
-
-std::uint32_t SolidDistance::build(std::uint32_t begin, std::uint32_t end) {
-  const auto index = static_cast<std::uint32_t>(nodes_.size());
-  Node node{Vec3::Constant(kInfinity), Vec3::Constant(-kInfinity), begin, end, 0};
-  for (std::uint32_t t = begin; t < end; ++t)
-    for (const Vec3& corner : faces_[t].corner) {
-      node.lower = node.lower.cwiseMin(corner);
-      node.upper = node.upper.cwiseMax(corner);
-    }
-  nodes_.push_back(node);
-  if (end - begin <= kLeafTriangles) return index;
-  split(begin, end, node);
-  const std::uint32_t middle = begin + (end - begin) / 2;
-  build(begin, middle);
-  const std::uint32_t second = build(middle, end);
-  nodes_[index].second = second;
-  return index;
-}
-
-void SolidDistance::split(std::uint32_t begin, std::uint32_t end, const Node& node) {
-  Eigen::Index axis = 0;
-  (node.upper - node.lower).maxCoeff(&axis);
-  const auto center = [axis](const Face& t) {
-    return t.corner[0][axis] + t.corner[1][axis] + t.corner[2][axis];
-  };
-  std::nth_element(faces_.begin() + begin, faces_.begin() + begin + (end - begin) / 2, faces_.begin() + end,
-                   [&](const Face& a, const Face& b) { return center(a) < center(b); });
+  if (corners.empty()) throw InvalidInput("wall: no triangle has an area");
+  tree_.emplace(std::move(corners));
 }
 
 SurfacePoint SolidDistance::nearest(const Vec3& x) const {
-  double least = kInfinity;
-  SurfacePoint best;
-  Vec3 normal = Vec3::Zero();
-  std::array<std::uint32_t, kMaxTreeDepth> stack{0};
-  for (std::size_t size = 1; size > 0;) {
-    const std::uint32_t index = stack[--size];
-    const Node& node = nodes_[index];
-    if (node.squared_distance(x) > least) continue;
-    if (node.second != 0) {  // the nearer child comes off the stack first
-      const bool swap = nodes_[node.second].squared_distance(x) < nodes_[index + 1].squared_distance(x);
-      stack[size++] = swap ? index + 1 : node.second;
-      stack[size++] = swap ? node.second : index + 1;
-      continue;
-    }
-    for (std::uint32_t f = node.begin; f < node.end; ++f) {
-      const auto [point, feature] = nearest_on_triangle(faces_[f].corner, x);
-      if (const double square = (x - point).squaredNorm(); square < least) {
-        least = square;
-        best.position = point;
-        best.normal = faces_[f].normal[face];
-        normal = faces_[f].normal[feature];
-      }
-    }
-  }
-  best.distance = std::copysign(std::sqrt(least), normal.dot(x - best.position));
-  return best;
+  const TriangleTree::Nearest found = tree_->nearest(x);
+  const Normals& normals = normals_[found.triangle];
+  const Vec3& point = found.at.point;
+  const double side = normals[found.at.feature].dot(x - point);
+  return {point, normals[face], std::copysign(std::sqrt(found.square), side)};
 }
 
 SurfacePoint nearest_of_union(std::span<const SolidDistance> solids, const Vec3& x) {

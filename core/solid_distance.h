@@ -2,9 +2,11 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "core/triangle_tree.h"
 #include "core/types.h"
 
 namespace kappaflow {
@@ -31,26 +33,11 @@ class SolidDistance {
   SurfacePoint nearest(const Vec3& x) const;
 
  private:
-  struct Face {
-    std::array<Vec3, 3> corner;
-    std::array<Vec3, 7> normal;  // pseudonormals of corners, edges and face; their length does not matter
-  };
-  struct Node {
-    Vec3 lower, upper;
-    std::uint32_t begin, end;  // faces
-    std::uint32_t second;      // the second child; the first follows its parent; 0: a leaf
+  /// Pseudonormals of corners, edges and face, by NearestOnTriangle::Feature; their length does not matter.
+  using Normals = std::array<Vec3, 7>;
 
-    double squared_distance(const Vec3& x) const {
-      return (lower - x).cwiseMax(x - upper).cwiseMax(0).squaredNorm();
-    }
-  };
-
-  void set_faces(const TriangleSurface& surface);
-  std::uint32_t build(std::uint32_t begin, std::uint32_t end);
-  void split(std::uint32_t begin, std::uint32_t end, const Node& node);
-
-  std::vector<Face> faces_;  // in the order of the leaves
-  std::vector<Node> nodes_;
+  std::vector<Normals> normals_;  // of the tree's triangles
+  std::optional<TriangleTree> tree_;
 };
 
 /// The nearest surface point of the union of several solids: outside all of them the exact distance, inside

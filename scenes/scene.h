@@ -10,6 +10,7 @@
 
 #include "core/errors.h"
 #include "core/types.h"
+#include "scenes/view.h"
 #include "solver/fluid_solver.h"
 #include "surface/field/particle_motion.h"
 #include "surface/tracker/surface_tracker.h"
@@ -92,6 +93,7 @@ struct OutputDescription {
   double checker_size = 4;    ///< edge of a checker cube in units of sigma
   TextureProjection texture = TextureProjection::box;
   int checkpoint_interval = 1;  ///< frames from one checkpoint to the next
+  View view;                    ///< of pictures
 };
 
 struct Scene {

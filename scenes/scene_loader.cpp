@@ -315,7 +315,7 @@ void read_surface(TomlTable t, SurfaceDescription& surface) {
   t.finish();
 }
 
-void read_output(TomlTable t, double duration, OutputDescription& output) {
+void read_output(TomlTable t, double duration, const Vec3& gravity, OutputDescription& output) {
   static constexpr Named<TextureProjection> kProjections[] = {{"planar", TextureProjection::planar},
                                                               {"spherical", TextureProjection::spherical},
                                                               {"box", TextureProjection::box}};
@@ -326,9 +326,14 @@ void read_output(TomlTable t, double duration, OutputDescription& output) {
   output.texture = t.choice("texture", kProjections, std::optional(output.texture));
   output.checkpoint_interval =
       t.integer("checkpoint_interval", 1, kMaxIterations, output.checkpoint_interval);
+  const bool falls = gravity.norm() > 0;
+  output.view = view_with(t.vector("view_up", "", falls ? Vec3(Vec3::Zero() - gravity) : View{}.up));
+  output.view.from = t.vector("view_from", "", output.view.from);
   t.finish();
   if (!(output.report_axis.norm() > 1e-12)) t.refuse("report_axis", "a direction, not the zero vector");
   output.report_axis.normalize();
+  if (!(output.view.up.norm() > 1e-12)) t.refuse("view_up", "a direction, not the zero vector");
+  if (!is_view(output.view)) t.refuse("view_from", "a direction that is neither zero nor along view_up");
   if (const double frames = duration * output.frames_per_second; frames > kMaxFrames)
     throw InvalidInput(
         t.where(), fmt::format("duration and frames_per_second make {:.3g} frames; allowed: at most {:.0f}",
@@ -360,7 +365,7 @@ Scene parse_scene(const std::string& text, const std::filesystem::path& file) {
   for (const Wall& wall : scene.walls) check_thickness(wall, scene.fluid.spacing);
   read_solver(std::move(solver), scene.fluid);
   read_surface(std::move(surface), scene.surface);
-  read_output(std::move(output), scene.duration, scene.output);
+  read_output(std::move(output), scene.duration, scene.fluid.gravity, scene.output);
   fill_blocks(scene);  // throws where the meshes or the particles are not what a run needs
   return scene;
 }

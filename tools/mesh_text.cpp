@@ -2,9 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <bit>
-#include <cstring>
 #include <iterator>
+
+#include "tools/binary.h"
+#include "tools/glb.h"
 
 namespace kappaflow {
 namespace {
@@ -23,14 +24,6 @@ std::string obj_text(const TexturedMesh& mesh) {
   for (const Triangle& t : mesh.triangles)
     fmt::format_to(out, "f {0}/{0}/{0} {1}/{1}/{1} {2}/{2}/{2}\n", t[0] + 1, t[1] + 1, t[2] + 1);
   return text;
-}
-
-template <class Number>
-void append(std::string& bytes, Number number) {
-  static_assert(std::endian::native == std::endian::little, "PLY files are written as memory has them");
-  const std::size_t end = bytes.size();
-  bytes.resize(end + sizeof number);
-  std::memcpy(bytes.data() + end, &number, sizeof number);
 }
 
 std::string ply_text(const TexturedMesh& mesh) {
@@ -57,7 +50,15 @@ std::string ply_text(const TexturedMesh& mesh) {
 }  // namespace
 
 std::string mesh_text(MeshFormat format, const TexturedMesh& mesh) {
-  return format == MeshFormat::obj ? obj_text(mesh) : ply_text(mesh);
+  switch (format) {
+    case MeshFormat::obj:
+      return obj_text(mesh);
+    case MeshFormat::ply:
+      return ply_text(mesh);
+    case MeshFormat::glb:
+      return glb_bytes(mesh);
+  }
+  return {};
 }
 
 }  // namespace kappaflow

@@ -1,4 +1,4 @@
-// Meshes as OBJ and PLY files, for programs that do not read VTK's.
+// Meshes as OBJ, PLY and binary glTF files, for programs that do not read VTK's.
 #pragma once
 
 #include <span>
@@ -10,10 +10,11 @@
 
 namespace kappaflow {
 
-enum class MeshFormat { obj, ply };
+enum class MeshFormat { obj, ply, glb };
 
 /// What the command line calls them, and how their files' names end.
-inline constexpr Named<MeshFormat> kMeshFormats[] = {{"obj", MeshFormat::obj}, {"ply", MeshFormat::ply}};
+inline constexpr Named<MeshFormat> kMeshFormats[] = {
+    {"obj", MeshFormat::obj}, {"ply", MeshFormat::ply}, {"glb", MeshFormat::glb}};
 
 /// A mesh with one entry a vertex in every array but the last.
 struct TexturedMesh {
@@ -25,7 +26,7 @@ struct TexturedMesh {
 };
 
 /// The bytes of a file. OBJ: text, with v (position and colour), vt, vn, and f v/vt/vn. PLY: binary,
-/// little-endian, with x y z, nx ny nz, s t, red green blue.
+/// little-endian, with x y z, nx ny nz, s t, red green blue. GLB: see glb_bytes().
 std::string mesh_text(MeshFormat format, const TexturedMesh& mesh);
 
 }  // namespace kappaflow

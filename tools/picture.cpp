@@ -4,13 +4,14 @@
 #include <vtkActor.h>
 #include <vtkCamera.h>
 #include <vtkLight.h>
+#include <vtkMapper.h>
 #include <vtkNew.h>
 #include <vtkPNGWriter.h>
-#include <vtkPointData.h>
 #include <vtkPolyDataMapper.h>
 #include <vtkProperty.h>
 #include <vtkRenderWindow.h>
 #include <vtkRenderer.h>
+#include <vtkScalarBarActor.h>
 #include <vtkTextActor.h>
 #include <vtkTextProperty.h>
 #include <vtkUnsignedCharArray.h>
@@ -26,7 +27,7 @@ namespace kappaflow {
 namespace {
 
 constexpr int kMultisamples = 8;
-constexpr double kFilled = 0.94, kTitleShare = 0.06;  // of half a panel
+constexpr double kFilled = 0.94, kTitleShare = 0.06, kBarShare = 0.1;  // of half a panel
 
 vtkSmartPointer<vtkActor> make_actor(vtkPolyData& data) {
   vtkNew<vtkPolyDataMapper> mapper;
@@ -36,17 +37,29 @@ vtkSmartPointer<vtkActor> make_actor(vtkPolyData& data) {
   return actor;
 }
 
-vtkSmartPointer<vtkActor> surface_actor(vtkPolyData& data, bool edges) {
-  data.GetPointData()->SetActiveScalars("checker");
+void colour(vtkMapper& mapper, const std::optional<Colouring>& colouring) {
+  mapper.SetScalarModeToUsePointFieldData();
+  mapper.SelectColorArray(colouring ? colouring->array.c_str() : kCheckerArray);
+  if (!colouring) {
+    mapper.SetColorModeToDirectScalars();
+    return;
+  }
+  mapper.SetColorModeToMapScalars();
+  mapper.SetLookupTable(colouring->table);
+  mapper.UseLookupTableScalarRangeOn();
+  mapper.InterpolateScalarsBeforeMappingOn();
+}
+
+vtkSmartPointer<vtkActor> surface_actor(vtkPolyData& data, const PictureStyle& style) {
   auto actor = make_actor(data);
-  actor->GetMapper()->SetColorModeToDirectScalars();
+  colour(*actor->GetMapper(), style.colouring);
   vtkProperty& look = *actor->GetProperty();
   look.SetInterpolationToPhong();
   look.SetAmbient(0.3);
   look.SetDiffuse(0.85);
   look.SetSpecular(0.12);
   look.SetSpecularPower(25);
-  look.SetEdgeVisibility(edges);
+  look.SetEdgeVisibility(style.edges);
   look.SetEdgeColor(0.25, 0.25, 0.3);
   return actor;
 }
@@ -59,16 +72,39 @@ vtkSmartPointer<vtkActor> boundary_actor(vtkPolyData& data) {
   return actor;
 }
 
+void write_dark(vtkTextProperty& look, int size) {
+  look.SetFontSize(size);
+  look.SetFontFamilyToArial();
+  look.SetColor(0.15, 0.15, 0.18);
+  look.BoldOff();
+  look.ItalicOff();
+  look.ShadowOff();
+}
+
 vtkSmartPointer<vtkTextActor> title_actor(const std::string& text, const PictureStyle& style) {
   auto title = vtkSmartPointer<vtkTextActor>::New();
   title->SetInput(text.c_str());
   vtkTextProperty& look = *title->GetTextProperty();
-  look.SetFontSize(style.panel_height * 3 / 80);
-  look.SetFontFamilyToArial();
-  look.SetColor(0.15, 0.15, 0.18);
+  write_dark(look, style.panel_height * 3 / 80);
   look.SetJustificationToCentered();
   title->SetPosition(style.panel_width / 2.0, style.panel_height * 0.93);
   return title;
+}
+
+vtkSmartPointer<vtkScalarBarActor> bar_actor(const Colouring& colouring, const PictureStyle& style) {
+  auto bar = vtkSmartPointer<vtkScalarBarActor>::New();
+  bar->SetLookupTable(colouring.table);
+  bar->SetTitle(colouring.title.c_str());
+  bar->SetOrientationToHorizontal();
+  bar->SetPosition(0.2, 0.01);
+  bar->SetPosition2(0.6, kBarShare);
+  bar->SetNumberOfLabels(5);
+  bar->SetTextPositionToPrecedeScalarBar();
+  bar->SetLabelFormat("%.3g");
+  bar->UnconstrainedFontSizeOn();
+  write_dark(*bar->GetTitleTextProperty(), style.panel_height / 36);
+  write_dark(*bar->GetLabelTextProperty(), style.panel_height / 36);
+  return bar;
 }
 
 // A key light from above behind the viewer and a weaker one from the side, so that no slope is black.
@@ -85,11 +121,11 @@ void add_lights(vtkRenderer& renderer) {
   add(-1, 0.1, 0.7, 0.45);
 }
 
-// Looks at `subject` and fills the panel below the title with it.
+// Looks at `subject` and fills the panel with it, between the title and the colour bar where there is one.
 void aim(vtkRenderer& renderer, vtkPolyData& subject, const PictureStyle& style) {
   vtkCamera& camera = *renderer.GetActiveCamera();
-  camera.SetPosition(style.from.data());
-  camera.SetViewUp(style.up.data());
+  camera.SetPosition(style.view.from.data());
+  camera.SetViewUp(style.view.up.data());
   camera.SetViewAngle(24);
   renderer.ResetCamera(subject.GetBounds());
 
@@ -102,17 +138,19 @@ void aim(vtkRenderer& renderer, vtkPolyData& subject, const PictureStyle& style)
     upper = upper.cwiseMax(at.head<2>());
   }
   const Vec2 center = 0.5 * (lower + upper), size = upper - lower;
-  const double zoom = std::min(2 * kFilled / size.x(), 2 * (kFilled - kTitleShare) / size.y());
-  camera.SetWindowCenter(zoom * center.x(), zoom * center.y() + kTitleShare);
+  const double bar = style.colouring ? kBarShare : 0;
+  const double zoom = std::min(2 * kFilled / size.x(), 2 * (kFilled - kTitleShare - bar) / size.y());
+  camera.SetWindowCenter(zoom * center.x(), zoom * center.y() + kTitleShare - bar);
   camera.Zoom(zoom);
 }
 
 void fill_panel(vtkRenderer& renderer, const Panel& panel, vtkPolyData* boundary, vtkPolyData& subject,
                 const PictureStyle& style) {
   renderer.SetBackground(1, 1, 1);
-  renderer.AddActor(surface_actor(*panel.surface, style.edges));
+  renderer.AddActor(surface_actor(*panel.surface, style));
   if (boundary != nullptr) renderer.AddActor(boundary_actor(*boundary));
   renderer.AddActor2D(title_actor(panel.title, style));
+  if (style.colouring) renderer.AddActor2D(bar_actor(*style.colouring, style));
   add_lights(renderer);
   aim(renderer, subject, style);
   renderer.ResetCameraClippingRange();

@@ -5,17 +5,19 @@
 #include <vtkSmartPointer.h>
 
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 
-#include "core/types.h"
+#include "scenes/view.h"
+#include "tools/colouring.h"
 
 namespace kappaflow {
 
 /// One surface of a picture.
 struct Panel {
-  std::string title;                     ///< above it
-  vtkSmartPointer<vtkPolyData> surface;  ///< in the colours of its point array "checker"
+  std::string title;  ///< above it
+  vtkSmartPointer<vtkPolyData> surface;
 };
 
 /// How a picture looks; the same view in every panel.
@@ -23,8 +25,8 @@ struct PictureStyle {
   int columns = 0;                            ///< panels a row; 0: all in one row
   int panel_width = 900, panel_height = 800;  ///< [pixels]
   bool edges = false;                         ///< draw the triangles' edges
-  Vec3 from{0.9, 0.65, 1};                    ///< direction from the subject to the viewer
-  Vec3 up{0, 1, 0};                           ///< what points up in the picture
+  View view{};
+  std::optional<Colouring> colouring{};  ///< of the surfaces; none: the colours of their array "checker"
 };
 
 /// Draws the panels, each with `boundary` (may be null) around its surface, so that `subject` fills a panel;

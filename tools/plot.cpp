@@ -1,18 +1,13 @@
 #include "tools/plot.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 
 #include "core/errors.h"
 #include "tools/files.h"
+#include "tools/process.h"
 
 namespace kappaflow {
 namespace {
@@ -76,34 +71,13 @@ std::string plot_script(const std::string& name, std::span<const Plot> plots) {
   return script + "unset multiplot\nset output\n";
 }
 
-// Returns the exit status, 127 where the program is not there.
-int run_gnuplot(std::vector<std::string> words, const std::filesystem::path& folder) {
-  words.insert(words.begin(), "gnuplot");
-  std::vector<char*> argv;
-  argv.reserve(words.size() + 1);
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-  pid_t child = 0;
-  const int failed = posix_spawnp(&child, argv[0], &actions, nullptr, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (failed != 0) return 127;
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-}
-
 }  // namespace
 
 void draw_plots(const std::filesystem::path& folder, const std::string& name, std::span<const Plot> plots) {
   write_file(folder / (name + ".gp"), plot_script(name, plots));
   const std::filesystem::path unfinished = name + ".png.tmp";
-  const int status =
-      run_gnuplot({"-e", fmt::format("picture = '{}'", unfinished.string()), name + ".gp"}, folder);
+  const int status = run_command(
+      {"gnuplot", "-e", fmt::format("picture = '{}'", unfinished.string()), name + ".gp"}, folder);
   if (status != 0)
     throw IoError((folder / (name + ".gp")).string(), fmt::format("gnuplot failed with status {}", status));
   std::error_code error;
@@ -112,7 +86,7 @@ void draw_plots(const std::filesystem::path& folder, const std::string& name, st
 }
 
 void require_gnuplot() {
-  if (run_gnuplot({"--version"}, "/") != 0)
+  if (run_command({"gnuplot", "--version"}, "/") != 0)
     throw IoError("gnuplot", "cannot be run; it draws the plots: apt-get install gnuplot-nox");
 }
 

@@ -7,13 +7,18 @@
 #include <vtk_jsoncpp.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <memory>
 #include <string_view>
 
 #include "core/errors.h"
+#include "core/quantile.h"
 #include "tools/data_files.h"
 #include "tools/files.h"
+#include "tools/film.h"
+#include "tools/interrupt.h"
 #include "tools/picture.h"
+#include "tools/progress.h"
 #include "tools/run_folder.h"
 
 namespace kappaflow {
@@ -21,8 +26,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The methods that run.json names.
-std::vector<std::string> methods_of_run(const fs::path& folder) {
+constexpr double kFallbackRate = 25;  // frames a second, where a run has one frame only
+
+Json::Value record_of(const fs::path& folder) {
   const fs::path file = folder / kRecordFile;
   const std::string text = read_file(file);
   Json::Value record;
@@ -31,13 +37,12 @@ std::vector<std::string> methods_of_run(const fs::path& folder) {
   if (!reader->parse(text.data(), text.data() + text.size(), &record, &errors) ||
       !record["methods"].isArray())
     throw IoError(file.string(), "is not the record of a run");
-  std::vector<std::string> methods;
-  for (const Json::Value& method : record["methods"]) methods.push_back(method.asString());
-  return methods;
+  return record;
 }
 
-std::vector<std::string> chosen_methods(const RenderOptions& options) {
-  std::vector<std::string> tracked = methods_of_run(options.folder);
+std::vector<std::string> chosen_methods(const RenderOptions& options, const Json::Value& record) {
+  std::vector<std::string> tracked;
+  for (const Json::Value& method : record["methods"]) tracked.push_back(method.asString());
   if (options.methods.empty()) return tracked;
   for (const std::string& method : options.methods)
     if (std::ranges::find(tracked, method) == tracked.end())
@@ -46,32 +51,86 @@ std::vector<std::string> chosen_methods(const RenderOptions& options) {
   return options.methods;
 }
 
-bool has_frame(const fs::path& folder, const std::vector<std::string>& methods, int frame) {
-  return std::ranges::all_of(methods,
-                             [&](const auto& m) { return fs::exists(folder / surface_file(m, frame)); });
+/// The one that the command line asks for, else that of the run's scene, else the default.
+View chosen_view(const RenderOptions& options, const Json::Value& record) {
+  const auto vector = [](const Json::Value& array) {
+    return Vec3(array[0].asDouble(), array[1].asDouble(), array[2].asDouble());
+  };
+  View view;
+  if (record.isMember("view")) view = {vector(record["view"]["from"]), vector(record["view"]["up"])};
+  if (options.view_up) view = view_with(*options.view_up);
+  if (options.view_from) view.from = *options.view_from;
+  if (!is_view(view))
+    throw InvalidInput(
+        "the direction to the viewer and the one that is up must be neither zero nor parallel");
+  return view;
 }
 
-int frame_count(const fs::path& folder, const std::vector<std::string>& methods) {
-  int frames = 0;
-  while (has_frame(folder, methods, frames)) ++frames;
-  return frames;
+/// A run's frames as they are drawn.
+class Drawing {
+ public:
+  explicit Drawing(const RenderOptions& options)
+      : options_(options), record_(record_of(options.folder)), methods_(chosen_methods(options, record_)) {
+    while (has_frame(frames_)) ++frames_;
+    if (frames_ == 0) throw InvalidInput(fmt::format("{} has no frames yet", options.folder.string()));
+    style_ = {.columns = options.columns, .view = chosen_view(options, record_)};
+    subject_ = subject();
+  }
+
+  int frames() const { return frames_; }
+  /// Fixes the colours for frames [first, last].
+  void choose_colours(int first, int last);
+  /// Returns the frame's time [s].
+  double draw(const fs::path& file, int frame) const;
+
+ private:
+  bool has_frame(int frame) const {
+    return std::ranges::all_of(
+        methods_, [&](const auto& m) { return fs::exists(options_.folder / surface_file(m, frame)); });
+  }
+  vtkSmartPointer<vtkPolyData> surface(const std::string& method, int frame) const {
+    return read_vtp(options_.folder / surface_file(method, frame));
+  }
+  vtkSmartPointer<vtkPolyData> walls(int frame) const;
+  vtkSmartPointer<vtkPolyData> subject() const;
+
+  const RenderOptions& options_;
+  Json::Value record_;
+  std::vector<std::string> methods_;
+  int frames_ = 0;
+  PictureStyle style_;
+  vtkSmartPointer<vtkPolyData> subject_;
+};
+
+vtkSmartPointer<vtkPolyData> Drawing::walls(int frame) const {
+  const fs::path moving = options_.folder / boundary_file(frame);
+  const fs::path file = fs::exists(moving) ? moving : options_.folder / kBoundaryFile;
+  return fs::exists(file) ? read_vtp(file) : nullptr;
 }
 
-int chosen_frame(const RenderOptions& options, const std::vector<std::string>& methods) {
-  const int frames = frame_count(options.folder, methods);
-  if (options.frame < frames && frames > 0) return options.frame >= 0 ? options.frame : frames - 1;
-  throw InvalidInput(frames == 0 ? fmt::format("{} has no frames yet", options.folder.string())
-                                 : fmt::format("{} has frames 0 to {}, not {}", options.folder.string(),
-                                               frames - 1, options.frame));
+/// What fills the picture, the same in every frame: walls and first surface in the first and the last frame.
+vtkSmartPointer<vtkPolyData> Drawing::subject() const {
+  auto points = vtkSmartPointer<vtkPoints>::New();
+  for (const int frame : {0, frames_ - 1})
+    for (const auto& part : {walls(frame), surface(methods_.front(), frame)})
+      if (part && part->GetNumberOfPoints() > 0)
+        points->InsertPoints(points->GetNumberOfPoints(), part->GetNumberOfPoints(), 0, part->GetPoints());
+  auto subject = vtkSmartPointer<vtkPolyData>::New();
+  subject->SetPoints(points);
+  return subject;
 }
 
-/// The points of the first method's surface in the first and the last frame.
-vtkSmartPointer<vtkPolyData> both_ends(const fs::path& folder, const std::vector<std::string>& methods) {
-  auto first = read_vtp(folder / surface_file(methods.front(), 0));
-  const auto last = read_vtp(folder / surface_file(methods.front(), frame_count(folder, methods) - 1));
-  const vtkIdType offset = first->GetNumberOfPoints();
-  first->GetPoints()->InsertPoints(offset, last->GetNumberOfPoints(), 0, last->GetPoints());
-  return first;
+void Drawing::choose_colours(int first, int last) {
+  if (options_.colour == kCheckerArray) return;
+  const auto example = surface(methods_.front(), first);
+  ValueRange range = options_.range ? *options_.range : value_range(*example, options_.colour);
+  if (!options_.range)
+    for (int frame = first; frame <= last; ++frame)
+      for (const std::string& method : methods_) {
+        const ValueRange here = value_range(*surface(method, frame), options_.colour);
+        range = {std::min(range[0], here[0]), std::max(range[1], here[1])};
+      }
+  style_.colouring = colouring(*example, options_.colour, range);
 }
 
 double time_of(vtkPolyData& surface) {
@@ -79,24 +138,75 @@ double time_of(vtkPolyData& surface) {
   return time != nullptr ? time->GetTuple1(0) : 0;
 }
 
+double Drawing::draw(const fs::path& file, int frame) const {
+  std::vector<Panel> panels;
+  double time = 0;
+  for (const std::string& method : methods_) {
+    const auto drawn = surface(method, frame);
+    time = time_of(*drawn);
+    panels.push_back({fmt::format("{},  t = {:.2f} s", method, time), drawn});
+  }
+  draw_picture(file, panels, walls(frame), subject_, style_);
+  return time;
+}
+
+int draw_one(const RenderOptions& options, Drawing& drawing) {
+  if (options.frames_per_second) throw InvalidInput("--fps is of films, whose names end in .mp4");
+  const int frame = options.frame.value_or(drawing.frames() - 1);
+  if (frame >= drawing.frames())
+    throw InvalidInput(
+        fmt::format("{} has frames 0 to {}, not {}", options.folder.string(), drawing.frames() - 1, frame));
+  drawing.choose_colours(frame, frame);
+  drawing.draw(options.out, frame);
+  return 0;
+}
+
+/// Simulated time passes as fast as that of the film, but for frames that are not equally far apart.
+double real_time_rate(const std::vector<double>& times) {
+  std::vector<double> intervals;
+  for (std::size_t k = 1; k < times.size(); ++k) intervals.push_back(times[k] - times[k - 1]);
+  const double interval = intervals.empty() ? 0 : quantile(intervals, 0.5);
+  return interval > 0 ? 1 / interval : kFallbackRate;
+}
+
+/// Of a longer film that was here before.
+void remove_pictures_from(const fs::path& folder, int frame) {
+  std::error_code error;
+  while (fs::remove(film_picture(folder, frame), error)) ++frame;
+  if (error) throw IoError(film_picture(folder, frame).string(), error.message());
+}
+
+int draw_all(const RenderOptions& options, const fs::path& film, Drawing& drawing) {
+  if (options.frame) throw InvalidInput("--frame is of pictures, whose names end in .png");
+  const InterruptGuard guard;
+  const fs::path pictures = fs::path(film).replace_extension();
+  make_folder(pictures);
+  drawing.choose_colours(0, drawing.frames() - 1);
+  std::vector<double> times;
+  for (int frame = 0; frame < drawing.frames() && !guard.interrupted(); ++frame) {
+    draw_status_line(fmt::format("frame {}/{}", frame, drawing.frames() - 1));
+    times.push_back(drawing.draw(film_picture(pictures, frame), frame));
+  }
+  draw_status_line("");
+  if (guard.interrupted()) return exit_code_after(guard.signal());
+  remove_pictures_from(pictures, drawing.frames());
+  const double rate = options.frames_per_second.value_or(real_time_rate(times));
+  make_film(film, pictures, drawing.frames(), rate);
+  fmt::print("{}: {} frames, {:.4g} a second; each of them as a picture in {}\n", film.string(),
+             drawing.frames(), rate, pictures.string());
+  return 0;
+}
+
 }  // namespace
 
-void render(const RenderOptions& options) {
-  const std::vector<std::string> methods = chosen_methods(options);
-  const int frame = chosen_frame(options, methods);
-  std::vector<Panel> panels;
-  panels.reserve(methods.size());
-  for (const std::string& method : methods) {
-    const auto surface = read_vtp(options.folder / surface_file(method, frame));
-    panels.push_back({fmt::format("{},  t = {:.2f} s", method, time_of(*surface)), surface});
-  }
-  const fs::path moving = options.folder / boundary_file(frame);
-  const fs::path boundary = fs::exists(moving) ? moving : options.folder / kBoundaryFile;
-  const auto walls = fs::exists(boundary) ? read_vtp(boundary) : nullptr;
-  // What fills the picture: the walls, or without walls the first surface at both ends of its way; the same
-  // in every frame of a run.
-  const auto subject = walls ? walls : both_ends(options.folder, methods);
-  draw_picture(options.picture, panels, walls, subject, {.columns = options.columns});
+int render(const RenderOptions& options) {
+  const fs::path out = options.out.empty() ? options.folder / "film.mp4" : options.out;
+  const bool film = out.extension() == ".mp4";
+  if (!film && out.extension() != ".png")
+    throw InvalidInput(
+        fmt::format("found \"{}\"; expected a file name that ends in .png or .mp4", out.string()));
+  Drawing drawing(options);
+  return film ? draw_all(options, out, drawing) : draw_one(options, drawing);
 }
 
 }  // namespace kappaflow

@@ -25,7 +25,8 @@ struct FrameRows {
 ///   run.json  run.toml  checkpoint.bin  metrics.csv  pieces.csv  timings.csv  run.pvd
 ///   boundary.vtp, or where walls move boundary.pvd  boundary/boundary_0000.vtp ...
 ///   particles.pvd  particles/particles_0000.vtp ...
-///   surface-<method>.pvd  surface-<method>/surface_0000.vtp ... (and .obj, .ply where these are asked for)
+///   surface-<method>.pvd  surface-<method>/surface_0000.vtp ... (and .obj, .ply, .glb where these are asked
+///   for)
 /// Whatever is there under these names is complete and listed in the .pvd files, at any moment of the run.
 class RunFolder {
  public:

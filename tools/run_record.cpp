@@ -40,6 +40,12 @@ Json::Value options_record(const RunOptions& options) {
   return record;
 }
 
+Json::Value list(const Vec3& vector) {
+  Json::Value array(Json::arrayValue);
+  for (const double component : vector) array.append(component);
+  return array;
+}
+
 Json::Value scene_record(const Scene& scene) {
   Json::Value record;
   record["file"] = scene.file.string();
@@ -111,6 +117,8 @@ std::string run_record(const RunOptions& options, const Scene& scene, const Simu
   record["particles"] = Json::UInt64{simulation.particles().size()};
   record["duration"] = scene.duration;
   record["frames_per_second"] = scene.output.frames_per_second;
+  record["view"]["from"] = list(scene.output.view.from);
+  record["view"]["up"] = list(scene.output.view.up);
   return record_text(record);
 }
 

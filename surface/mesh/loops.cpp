@@ -1,6 +1,7 @@
 #include "surface/mesh/loops.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <limits>
 #include <utility>
 
@@ -24,13 +25,27 @@ struct Cost {
   }
 };
 
-std::vector<Edge> sorted_edges(std::span<const Triangle> triangles) {
-  std::vector<Edge> edges;
-  edges.reserve(3 * triangles.size());
+/// The directed edges without an edge in the opposite direction, ascending.
+std::vector<Edge> open_edges(std::span<const Triangle> triangles) {
+  // Both directions of an edge side by side: the smaller vertex, the larger one, and which way it runs.
+  std::vector<std::uint64_t> keys;
+  keys.reserve(3 * triangles.size());
   for (const Triangle& t : triangles)
-    for (int c = 0; c < 3; ++c) edges.emplace_back(t[c], t[(c + 1) % 3]);
-  std::ranges::sort(edges);
-  return edges;
+    for (int c = 0; c < 3; ++c) {
+      const auto u = static_cast<std::uint64_t>(t[c]), v = static_cast<std::uint64_t>(t[(c + 1) % 3]);
+      keys.push_back(std::min(u, v) << 33 | std::max(u, v) << 1 | (u > v ? 1 : 0));
+    }
+  std::ranges::sort(keys);
+  std::vector<Edge> open;
+  for (std::size_t first = 0, last = 0; first < keys.size(); first = last) {
+    while (last < keys.size() && keys[last] >> 1 == keys[first] >> 1) ++last;
+    if (((keys[first] ^ keys[last - 1]) & 1) != 0) continue;
+    const int small = static_cast<int>(keys[first] >> 33),
+              large = static_cast<int>(keys[first] >> 1 & 0xffffffff);
+    open.insert(open.end(), last - first, (keys[first] & 1) != 0 ? Edge(large, small) : Edge(small, large));
+  }
+  std::ranges::sort(open);
+  return open;
 }
 
 /// The loop turned so that it begins with its i-th vertex, which comes again at the end.
@@ -56,10 +71,7 @@ std::pair<std::size_t, std::size_t> nearest_pair(std::span<const Vec3> position,
 }  // namespace
 
 Boundary boundary_of(std::span<const Triangle> triangles) {
-  const std::vector<Edge> edges = sorted_edges(triangles);
-  std::vector<Edge> open;
-  for (const auto& [u, v] : edges)
-    if (!std::ranges::binary_search(edges, Edge(v, u))) open.emplace_back(u, v);
+  const std::vector<Edge> open = open_edges(triangles);
   Boundary boundary;
   for (std::size_t e = 1; e < open.size(); ++e)
     if (open[e].first == open[e - 1].first) boundary.pinched.push_back(open[e].first);

@@ -4,30 +4,32 @@
 
 #include <algorithm>
 #include <array>
+#include <type_traits>
 
 #include "core/errors.h"
-#include "surface/motion/curvature_invariance.h"
-#include "surface/motion/material.h"
-#include "surface/motion/normal.h"
-#include "surface/motion/regional.h"
-#include "surface/motion/total.h"
+
+// A line a method, in the order in which help texts list them: its name, what it does, and its function,
+// which the line declares too.
+#define KAPPAFLOW_VELOCITY_METHODS(METHOD)                                                               \
+  METHOD("normal", "along the normal only (Eq. 4)", evaluate_normal)                                     \
+  METHOD("total", "keeps the normal of each point (Eq. 5, Stam & Schmidt)", evaluate_total)              \
+  METHOD("curvature", "keeps normal and curvatures as well as both can be (Eq. 10)", evaluate_curvature) \
+  METHOD("curvature-only", "keeps the curvatures K and H (Eqs. 7-8)", evaluate_curvature_only)           \
+  METHOD("curvature-first", "keeps the curvatures, and the normal where they leave it open",             \
+         evaluate_curvature_first)                                                                       \
+  METHOD("regional", "fits one affine motion to a neighbourhood of each point", evaluate_regional)       \
+  METHOD("material", "follows the particles' velocities (moving least squares)", evaluate_material)
 
 namespace kappaflow {
 
+#define DECLARE(name, summary, evaluate) std::remove_pointer_t<VelocityFunction> evaluate;
+KAPPAFLOW_VELOCITY_METHODS(DECLARE)
+#undef DECLARE
+
 std::span<const VelocityMethod> velocity_methods() {
-  static constexpr std::array methods{
-      VelocityMethod{"normal", "along the normal only (Eq. 4)", evaluate_normal},
-      VelocityMethod{"total", "keeps the normal of each point (Eq. 5, Stam & Schmidt)", evaluate_total},
-      VelocityMethod{"curvature", "keeps normal and curvatures as well as both can be (Eq. 10)",
-                     evaluate_curvature},
-      VelocityMethod{"curvature-only", "keeps the curvatures K and H (Eqs. 7-8)", evaluate_curvature_only},
-      VelocityMethod{"curvature-first", "keeps the curvatures, and the normal where they leave it open",
-                     evaluate_curvature_first},
-      VelocityMethod{"regional", "fits one affine motion to a neighbourhood of each point",
-                     evaluate_regional},
-      VelocityMethod{"material", "follows the particles' velocities (moving least squares)",
-                     evaluate_material},
-  };
+#define ROW(name, summary, evaluate) VelocityMethod{name, summary, evaluate},
+  static constexpr std::array methods{KAPPAFLOW_VELOCITY_METHODS(ROW)};
+#undef ROW
   return methods;
 }
 

@@ -2,8 +2,8 @@
 // points.
 //
 // Every method has the same normal part, Eq. 4: v_n = -f_t g/|g|^2; they differ in the motion along the
-// surface. To add a method, write one function of type VelocityFunction and add its row to the table in
-// velocity.cpp.
+// surface. To add a method, write one function of type VelocityFunction in a file of this folder and
+// add a line to the list in velocity.cpp: see docs/extending.md.
 #pragma once
 
 #include <span>

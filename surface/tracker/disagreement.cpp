@@ -5,6 +5,7 @@
 
 #include "core/parallel.h"
 #include "surface/mesh/mesh_measures.h"
+#include "surface/mesh/simple_points.h"
 #include "surface/mesh/winding_numbers.h"
 
 namespace kappaflow {
@@ -47,6 +48,40 @@ Vec3 sampled_gradient(const SampledField& samples, const LatticeCell& at) {
   return gradient;
 }
 
+/// The 27 points around one that is not on the lattice's rim; inside: winding number not 0.
+Neighbourhood neighbourhood(const std::array<int, 3>& dims, const std::vector<std::int8_t>& winding,
+                            const LatticeCell& at) {
+  Neighbourhood inside = 0;
+  int bit = 0;
+  for (int k = at[2] - 1; k <= at[2] + 1; ++k)
+    for (int j = at[1] - 1; j <= at[1] + 1; ++j) {
+      const std::size_t row = (static_cast<std::size_t>(k) * dims[1] + j) * dims[0];
+      for (int i = at[0] - 1; i <= at[0] + 1; ++i, ++bit) inside |= (winding[row + i] != 0 ? 1u : 0u) << bit;
+    }
+  return inside;
+}
+
+/// Lets the points change sides, one after the other, that can without a change of topology; what is left
+/// parts, joins, opens or fills something.
+void deform(const std::array<int, 3>& dims, std::vector<LatticeCell>& points,
+            std::vector<std::int8_t>& winding) {
+  const auto on_rim = [&](const LatticeCell& at) {
+    for (int a = 0; a < 3; ++a)
+      if (at[a] == 0 || at[a] == dims[a] - 1) return true;
+    return false;
+  };
+  std::size_t before = 0;
+  do {
+    before = points.size();
+    std::erase_if(points, [&](const LatticeCell& at) {
+      if (on_rim(at) || !is_simple(neighbourhood(dims, winding, at))) return false;
+      std::int8_t& number = winding[(static_cast<std::size_t>(at[2]) * dims[1] + at[1]) * dims[0] + at[0]];
+      number = number == 0 ? 1 : 0;
+      return true;
+    });
+  } while (points.size() < before);
+}
+
 }  // namespace
 
 LatticeCell cell_of(const SampledField& lattice, const Vec3& x) {
@@ -81,9 +116,12 @@ std::vector<int> triangles_off_surface(const Field& field, const TriangleMesh& m
 std::vector<LatticeCell> cells_in_dispute(const Field& field, const TriangleMesh& mesh, double limit,
                                           SampledField& lattice) {
   field.sample(lattice);
-  const std::vector<std::int8_t> winding = winding_numbers(mesh.position, mesh.triangles, lattice);
+  std::vector<std::int8_t> winding = winding_numbers(mesh.position, mesh.triangles, lattice);
   const auto [nx, ny, nz] = lattice.dims;
-  std::vector<std::vector<LatticeCell>> found(nz);
+  struct Found {
+    std::vector<LatticeCell> certain, near;  // near f = 0, where a good mesh's chords may be on either side
+  };
+  std::vector<Found> found(nz);
   parallel_for(
       static_cast<std::size_t>(nz),
       [&, nx = nx, ny = ny](std::size_t k) {
@@ -93,14 +131,19 @@ std::vector<LatticeCell> cells_in_dispute(const Field& field, const TriangleMesh
             const double f = lattice.value[index];
             if (winding[index] == (f > 0 ? 1 : 0)) continue;
             const LatticeCell at{i, j, static_cast<int>(k)};
-            if (winding[index] == 0 || winding[index] == 1)
-              if (std::abs(f) <= limit * sampled_gradient(lattice, at).norm()) continue;
-            found[k].push_back(at);
+            const bool near = (winding[index] == 0 || winding[index] == 1) &&
+                              std::abs(f) <= limit * sampled_gradient(lattice, at).norm();
+            (near ? found[k].near : found[k].certain).push_back(at);
           }
       },
       1);
-  std::vector<LatticeCell> cells;
-  for (const std::vector<LatticeCell>& plane : found) cells.insert(cells.end(), plane.begin(), plane.end());
+  std::vector<LatticeCell> cells, near;
+  for (const Found& plane : found) {
+    cells.insert(cells.end(), plane.certain.begin(), plane.certain.end());
+    near.insert(near.end(), plane.near.begin(), plane.near.end());
+  }
+  deform(lattice.dims, near, winding);
+  cells.insert(cells.end(), near.begin(), near.end());
   return cells;
 }
 

@@ -1,17 +1,14 @@
 // Where a mesh and the surface f = 0 that it stands for disagree.
 #pragma once
 
-#include <array>
 #include <span>
 #include <vector>
 
 #include "surface/field/field.h"
 #include "surface/mesh/triangle_mesh.h"
+#include "surface/tracker/cell_region.h"
 
 namespace kappaflow {
-
-/// Cells of a lattice, by the index of their lower corner; not bounded by the lattice's size.
-using LatticeCell = std::array<int, 3>;
 
 /// The cell of the lattice that holds x.
 LatticeCell cell_of(const SampledField& lattice, const Vec3& x);
@@ -28,8 +25,10 @@ std::vector<int> triangles_off_surface(const Field& field, const TriangleMesh& m
                                        std::span<const Vec3> gradient, double limit);
 
 /// The cells at points of the lattice that are inside the mesh and not the surface, or the reverse, and
-/// further than `limit` [m] from f = 0 as f and its central differences tell; and at those around which the
-/// mesh goes more than once, or backwards. Samples the field.
+/// either further than `limit` [m] from f = 0, as f and its central differences tell, or such that the mesh's
+/// inside cannot be deformed into the surface's point by point (is_simple()): there a neck, slit, piece or
+/// hole is on the lattice of one and not of the other. And those at points around which the mesh goes more
+/// than once, or backwards. Samples the field.
 std::vector<LatticeCell> cells_in_dispute(const Field& field, const TriangleMesh& mesh, double limit,
                                           SampledField& lattice);
 

@@ -8,6 +8,7 @@
 
 #include "core/nearest_on_triangle.h"
 #include "core/parallel.h"
+#include "core/triangle_tree.h"
 #include "surface/mesh/loops.h"
 #include "surface/mesh/self_intersection.h"
 #include "surface/mesh/triangle_bins.h"
@@ -17,12 +18,12 @@ namespace {
 
 constexpr double kGap = 0.25;        // between the mesh and the patch, in edge lengths
 constexpr double kSameSide = 0.2;    // least cosine between normals of one sheet
-constexpr double kSurroundings = 2;  // reach of the triangles that a replacement looks at, in edge lengths
+constexpr double kSurroundings = 4;  // reach of the triangles that a replacement looks at, in edge lengths
 constexpr int kSidePadding = 2;      // cells between all that matters and the block's sides
-constexpr int kRounds = 20;          // of widening
+constexpr int kRounds = 20;          // of smoothing the rim
+constexpr int kAttempts = 12;        // at a region, each wider than the one before
 constexpr std::size_t kSmallestPiece = 3;  // triangles of a patch that is worth sewing in
 constexpr std::size_t kLongestFill = 80;   // corners of a loop that is filled
-constexpr double kMostCells = 67108864;    // 2^26
 
 bool has_vertex(const Triangle& t, std::span<const int> sorted_vertices) {
   return std::ranges::any_of(t, [&](int v) { return std::ranges::binary_search(sorted_vertices, v); });
@@ -63,50 +64,24 @@ std::vector<int> pieces_of(std::size_t vertices, std::span<const Triangle> trian
 
 }  // namespace
 
-/// A set of cells of the lattice.
-class RegionReplacement::Cells {
- public:
-  Cells(std::span<const LatticeCell> cells, int growth) : first_(cells[0]) {
-    LatticeCell last = first_;
-    for (const LatticeCell& c : cells)
-      for (int a = 0; a < 3; ++a) {
-        first_[a] = std::min(first_[a], c[a] - growth);
-        last[a] = std::max(last[a], c[a] + growth);
-      }
-    for (int a = 0; a < 3; ++a) dims_[a] = last[a] - first_[a] + 1;
-    if (too_large()) return;
-    in_.assign(static_cast<std::size_t>(dims_[0]) * dims_[1] * dims_[2], 0);
-    for (const LatticeCell& c : cells)
-      for (int k = c[2] - growth; k <= c[2] + growth; ++k)
-        for (int j = c[1] - growth; j <= c[1] + growth; ++j)
-          for (int i = c[0] - growth; i <= c[0] + growth; ++i) in_[index({i, j, k})] = 1;
-  }
-
-  bool too_large() const { return 1.0 * dims_[0] * dims_[1] * dims_[2] > kMostCells; }
-  bool has(const LatticeCell& c) const {
-    for (int a = 0; a < 3; ++a)
-      if (c[a] < first_[a] || c[a] >= first_[a] + dims_[a]) return false;
-    return in_[index(c)] != 0;
-  }
-  LatticeBlock block() const {
-    return {first_, {first_[0] + dims_[0], first_[1] + dims_[1], first_[2] + dims_[2]}};
-  }
-
- private:
-  std::size_t index(const LatticeCell& c) const {
-    return c[0] - first_[0] +
-           static_cast<std::size_t>(dims_[0]) *
-               (c[1] - first_[1] + static_cast<std::size_t>(dims_[1]) * (c[2] - first_[2]));
-  }
-  LatticeCell first_;
-  std::array<int, 3> dims_{};
-  std::vector<char> in_;
-};
-
 bool RegionReplacement::replace(std::span<const LatticeCell> cells, int growth) {
-  const Cells region(cells, growth);
-  if (region.too_large()) return false;
-  take_out(region);
+  std::vector<LatticeCell> wider(cells.begin(), cells.end());
+  const int surroundings =
+      static_cast<int>(std::ceil(kSurroundings * setting_.edge_length / setting_.lattice.spacing));
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    const CellRegion region(wider, growth);
+    const CellRegion around(wider, growth + surroundings);
+    if (around.too_large()) return false;
+    in_the_way_.clear();
+    if (replace(region, around)) return true;
+    if (std::ranges::all_of(in_the_way_, [&](const LatticeCell& c) { return region.has(c); })) ++growth;
+    wider.insert(wider.end(), in_the_way_.begin(), in_the_way_.end());
+  }
+  return false;
+}
+
+bool RegionReplacement::replace(const CellRegion& region, const CellRegion& around) {
+  take_out(region, around);
   if (!smooth_rim()) return false;
   const LocalIsosurface iso =
       local_isosurface(setting_.field, setting_.lattice, block_around(region), setting_.tolerance);
@@ -124,38 +99,22 @@ bool RegionReplacement::replace(std::span<const LatticeCell> cells, int growth) 
 }
 
 /// Sorts the triangles into those with a corner in the region and those around that stay.
-void RegionReplacement::take_out(const Cells& region) {
-  std::vector<char> inside(mesh_.vertex_count());
-  parallel_for(inside.size(),
-               [&](std::size_t v) { inside[v] = region.has(cell_of(setting_.lattice, mesh_.position[v])); });
-  const LatticeBlock block = region.block();
-  Vec3 lower =
-      setting_.lattice.origin +
-      setting_.lattice.spacing * Eigen::Map<const Eigen::Vector3i>(block.first.data()).cast<double>();
-  Vec3 upper = setting_.lattice.origin +
-               setting_.lattice.spacing * Eigen::Map<const Eigen::Vector3i>(block.last.data()).cast<double>();
+void RegionReplacement::take_out(const CellRegion& region, const CellRegion& around) {
+  enum Place : char { outside, near, inside };
+  std::vector<char> place(mesh_.vertex_count());
+  parallel_for(place.size(), [&](std::size_t v) {
+    const LatticeCell cell = cell_of(setting_.lattice, mesh_.position[v]);
+    place[v] = region.has(cell) ? inside : around.has(cell) ? near : outside;
+  });
   removed_.clear();
-  for (int t = 0; t < static_cast<int>(mesh_.triangles.size()); ++t) {
-    const Triangle& triangle = mesh_.triangles[t];
-    if (triangle == kRemovedTriangle || std::ranges::none_of(triangle, [&](int v) { return inside[v]; }))
-      continue;
-    removed_.push_back(t);
-    for (const int v : triangle) {
-      lower = lower.cwiseMin(mesh_.position[v]);
-      upper = upper.cwiseMax(mesh_.position[v]);
-    }
-  }
-  const double reach = kSurroundings * setting_.edge_length;
-  const auto is_around = [&](int v) {
-    const Vec3& x = mesh_.position[v];
-    return ((x - lower).array() >= -reach).all() && ((x - upper).array() <= reach).all();
-  };
   kept_.clear();
   for (int t = 0; t < static_cast<int>(mesh_.triangles.size()); ++t) {
     const Triangle& triangle = mesh_.triangles[t];
-    if (triangle == kRemovedTriangle || std::ranges::any_of(triangle, [&](int v) { return inside[v]; }))
-      continue;
-    if (std::ranges::any_of(triangle, is_around)) kept_.push_back(t);
+    if (triangle == kRemovedTriangle) continue;
+    const auto& [a, b, c] = triangle;
+    const char innermost = std::max({place[a], place[b], place[c]});
+    if (innermost == inside) removed_.push_back(t);
+    if (innermost == near) kept_.push_back(t);
   }
 }
 
@@ -168,10 +127,10 @@ std::vector<Triangle> RegionReplacement::triangles(std::span<const int> numbers)
 
 /// Takes more out until no vertex joins two loops of the hole's rim, and no triangle juts out into it.
 bool RegionReplacement::smooth_rim() {
-  bool pinched = true;
+  std::vector<int> pinched;
   for (int round = 0; round < kRounds; ++round) {
     const Boundary rim = boundary_of(triangles(removed_));
-    pinched = !rim.pinched.empty();
+    pinched = rim.pinched;
     const std::vector<std::pair<int, int>> edges = edges_of(rim.loops);
     const auto moved = std::stable_partition(kept_.begin(), kept_.end(), [&](int t) {
       return !has_vertex(mesh_.triangles[t], rim.pinched) && edges_along(mesh_.triangles[t], edges) < 2;
@@ -180,11 +139,12 @@ bool RegionReplacement::smooth_rim() {
     removed_.insert(removed_.end(), moved, kept_.end());
     kept_.erase(moved, kept_.end());
   }
-  return !pinched;
+  blame(pinched);
+  return pinched.empty();
 }
 
 /// All that the patch may consist of, and some cells more.
-LatticeBlock RegionReplacement::block_around(const Cells& region) const {
+LatticeBlock RegionReplacement::block_around(const CellRegion& region) const {
   LatticeBlock block = region.block();
   const int padding =
       kSidePadding + static_cast<int>(std::ceil(kGap * setting_.edge_length / setting_.lattice.spacing));
@@ -223,7 +183,7 @@ void RegionReplacement::cut_near_kept(const LocalIsosurface& iso) {
 
 /// Pieces of the patch that end at the block's side belong to another region, unless they reach into this
 /// one: then the block is too small. So do closed ones outside; and specks go.
-bool RegionReplacement::drop_foreign_pieces(const LocalIsosurface& iso, const Cells& region) {
+bool RegionReplacement::drop_foreign_pieces(const LocalIsosurface& iso, const CellRegion& region) {
   const std::vector<int> piece = pieces_of(iso.position.size(), patch_);
   std::vector<char> ends_at_side(piece.size(), 0), in_region(piece.size(), 0), open(piece.size(), 0);
   std::vector<std::size_t> size(piece.size(), 0);
@@ -234,8 +194,9 @@ bool RegionReplacement::drop_foreign_pieces(const LocalIsosurface& iso, const Ce
       in_region[piece[v]] |= region.has(cell_of(setting_.lattice, iso.position[v]));
     }
   }
-  for (std::size_t p = 0; p < piece.size(); ++p)
-    if (ends_at_side[p] && in_region[p]) return false;
+  for (std::size_t v = 0; v < piece.size(); ++v)
+    if (iso.at_side[v] && ends_at_side[piece[v]] && in_region[piece[v]]) blame(iso.position[v]);
+  if (!in_the_way_.empty()) return false;
   const Boundary boundary = boundary_of(patch_);
   for (const int v : boundary.pinched) open[piece[v]] = 1;
   for (const std::vector<int>& loop : boundary.loops) open[piece[loop[0]]] = 1;
@@ -277,18 +238,27 @@ bool RegionReplacement::sew() {
   std::vector<int> loop_at(holes.size(), -1);
   for (std::size_t l = 0; l < loops.size(); ++l) {
     const int hole = matching_hole(loops[l], holes);
-    if (hole < 0) return false;
+    if (hole < 0) {
+      blame(loops[l]);
+      return false;
+    }
     int& taken = loop_at[hole];
     if (taken < 0) {
       taken = static_cast<int>(l);
       continue;
     }
     const bool larger = loops[l].size() > loops[taken].size();
-    if (!drop_island(loops, larger ? taken : l)) return false;
+    if (!drop_island(loops, larger ? taken : l)) {
+      blame(holes[hole]);
+      return false;
+    }
     if (larger) taken = static_cast<int>(l);
   }
   for (std::size_t h = 0; h < holes.size(); ++h) {
-    if (loop_at[h] < 0 && holes[h].size() > kLongestFill) return false;
+    if (loop_at[h] < 0 && holes[h].size() > kLongestFill) {
+      blame(holes[h]);
+      return false;
+    }
     const std::vector<Triangle> seam =
         loop_at[h] < 0 ? fill_loop(mesh_.position, facts_.gradient, holes[h])
                        : strip_between(mesh_.position, facts_.gradient, holes[h], loops[loop_at[h]]);
@@ -327,10 +297,10 @@ bool RegionReplacement::drop_island(std::span<const std::vector<int>> loops, std
 }
 
 /// Whether the seams are on the surface, and with the patch pass through nothing and have three neighbours.
-bool RegionReplacement::is_sound() const {
+bool RegionReplacement::is_sound() {
   for (const Triangle& t : seams_)
-    if (is_off_surface(setting_.field, mesh_.position, facts_.gradient, t, setting_.off_surface))
-      return false;
+    if (is_off_surface(setting_.field, mesh_.position, facts_.gradient, t, setting_.off_surface)) blame(t);
+  if (!in_the_way_.empty()) return false;
   std::vector<Triangle> all = triangles(kept_);
   const std::size_t kept = all.size();
   all.insert(all.end(), patch_.begin(), patch_.end());
@@ -345,18 +315,31 @@ bool RegionReplacement::is_sound() const {
   };
   for (std::size_t t = kept; t < all.size(); ++t)
     for (int c = 0; c < 3; ++c)
-      if (!once(all[t][c], all[t][(c + 1) % 3]) || !once(all[t][(c + 1) % 3], all[t][c])) return false;
+      if (!once(all[t][c], all[t][(c + 1) % 3]) || !once(all[t][(c + 1) % 3], all[t][c])) blame(all[t]);
+  if (!in_the_way_.empty()) return false;
   const std::vector<int> crossing = intersecting_triangles(mesh_.position, all);
-  return crossing.empty() || crossing.back() < static_cast<int>(kept);
+  if (crossing.empty() || crossing.back() < static_cast<int>(kept)) return true;
+  for (const int t : crossing) blame(all[t]);
+  return false;
+}
+
+/// Has the next attempt reach beyond these vertices.
+void RegionReplacement::blame(std::span<const int> vertices) {
+  for (const int v : vertices) blame(mesh_.position[v]);
+}
+
+void RegionReplacement::blame(const Vec3& x) {
+  in_the_way_.push_back(cell_of(setting_.lattice, x));
 }
 
 void RegionReplacement::commit() {
-  for (std::size_t v = first_new_; v < mesh_.position.size(); ++v) {
-    const Vec3& x = mesh_.position[v];
-    const VertexBlend from = removed_.empty() ? VertexBlend{} : source_of(x);
-    mesh_.rest_position.push_back(removed_.empty() ? x : blended(mesh_.rest_position, from));
-    facts_.mobility.push_back(removed_.empty() ? 1 : blended(facts_.mobility, from));
-    mesh_.unprojected.push_back(!exact_[v - first_new_]);
+  const std::size_t born = mesh_.position.size() - first_new_;
+  const std::vector<VertexBlend> source = sources();
+  for (std::size_t i = 0; i < born; ++i) {
+    const Vec3& x = mesh_.position[first_new_ + i];
+    mesh_.rest_position.push_back(source.empty() ? x : blended(mesh_.rest_position, source[i]));
+    facts_.mobility.push_back(source.empty() ? 1 : blended(facts_.mobility, source[i]));
+    mesh_.unprojected.push_back(!exact_[i]);
     mesh_.id.push_back(mesh_.next_id++);
   }
   for (const int t : removed_) mesh_.triangles[t] = kRemovedTriangle;
@@ -371,20 +354,21 @@ void RegionReplacement::roll_back() {
   facts_.gradient.resize(first_new_);
 }
 
-/// The nearest point of the triangles taken out.
-VertexBlend RegionReplacement::source_of(const Vec3& x) const {
-  double least = std::numeric_limits<double>::infinity();
-  VertexBlend best{};
-  for (const int t : removed_) {
-    const std::array<Vec3, 3> at = corners(mesh_.triangles[t]);
-    const Vec3 point = nearest_on_triangle(at, x).point;
-    const double distance = (point - x).squaredNorm();
-    if (!(distance < least)) continue;
-    least = distance;
-    const Vec3 weight = corner_weights(at, point);
-    best = {mesh_.triangles[t], {weight[0], weight[1], weight[2]}};
-  }
-  return best;
+/// Of each new vertex the nearest point of the triangles taken out; none where there were none.
+std::vector<VertexBlend> RegionReplacement::sources() const {
+  if (removed_.empty()) return {};
+  std::vector<TriangleTree::Corners> taken_out;
+  taken_out.reserve(removed_.size());
+  for (const int t : removed_) taken_out.push_back(corners(mesh_.triangles[t]));
+  const TriangleTree tree(std::move(taken_out));
+  std::vector<VertexBlend> source(mesh_.position.size() - first_new_);
+  parallel_for(source.size(), [&](std::size_t i) {
+    const auto nearest = tree.nearest(mesh_.position[first_new_ + i]);
+    const Triangle& triangle = mesh_.triangles[removed_[nearest.triangle]];
+    const Vec3 weight = corner_weights(corners(triangle), nearest.at.point);
+    source[i] = {triangle, {weight[0], weight[1], weight[2]}};
+  });
+  return source;
 }
 
 }  // namespace kappaflow

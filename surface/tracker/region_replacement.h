@@ -27,29 +27,30 @@ class RegionReplacement {
   RegionReplacement(const ReplacementSetting& setting, TriangleMesh& mesh, VertexFacts facts)
       : setting_(setting), mesh_(mesh), facts_(facts) {}
 
-  /// Replaces the mesh in the cells and those up to `growth` away. Returns whether that gave a sound mesh; if
-  /// not, the mesh is as it was.
+  /// Replaces the mesh in the cells and those up to `growth` away; if that does not give a sound mesh, also
+  /// where it was not, and so on. Returns whether one was reached; if not, the mesh is as it was.
   bool replace(std::span<const LatticeCell> cells, int growth);
 
   TopologyCounts counts;
 
  private:
-  class Cells;
-
-  void take_out(const Cells& region);
+  bool replace(const CellRegion& region, const CellRegion& around);
+  void take_out(const CellRegion& region, const CellRegion& around);
   bool smooth_rim();
-  LatticeBlock block_around(const Cells& region) const;
+  LatticeBlock block_around(const CellRegion& region) const;
   void cut_near_kept(const LocalIsosurface& iso);
-  bool drop_foreign_pieces(const LocalIsosurface& iso, const Cells& region);
+  bool drop_foreign_pieces(const LocalIsosurface& iso, const CellRegion& region);
   void unpinch_patch();
   void append_vertices(const LocalIsosurface& iso);
   bool sew();
   bool drop_island(std::span<const std::vector<int>> loops, std::size_t loop);
   int matching_hole(std::span<const int> loop, std::span<const std::vector<int>> holes) const;
-  bool is_sound() const;
+  bool is_sound();
+  void blame(std::span<const int> vertices);
+  void blame(const Vec3& x);
   void commit();
   void roll_back();
-  VertexBlend source_of(const Vec3& x) const;
+  std::vector<VertexBlend> sources() const;
   std::vector<Triangle> triangles(std::span<const int> numbers) const;
   std::array<Vec3, 3> corners(const Triangle& t) const {
     return {mesh_.position[t[0]], mesh_.position[t[1]], mesh_.position[t[2]]};
@@ -58,11 +59,12 @@ class RegionReplacement {
   const ReplacementSetting& setting_;
   TriangleMesh& mesh_;
   VertexFacts facts_;
-  std::vector<int> removed_, kept_;  // triangles to take out, and those around that stay
-  std::vector<Triangle> patch_;      // of the isosurface, first in its own numbers, then in the mesh's
-  std::vector<Triangle> seams_;      // between patch and mesh
-  std::size_t first_new_ = 0;        // vertex
-  std::vector<char> exact_;          // of the new vertices
+  std::vector<int> removed_, kept_;      // triangles to take out, and those around that stay
+  std::vector<Triangle> patch_;          // of the isosurface, first in its own numbers, then in the mesh's
+  std::vector<Triangle> seams_;          // between patch and mesh
+  std::size_t first_new_ = 0;            // vertex
+  std::vector<char> exact_;              // of the new vertices
+  std::vector<LatticeCell> in_the_way_;  // of a sound mesh, in the last attempt
 };
 
 }  // namespace kappaflow

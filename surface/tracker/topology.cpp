@@ -1,7 +1,6 @@
 #include "surface/tracker/topology.h"
 
 #include <algorithm>
-#include <array>
 
 #include "surface/mesh/isosurface.h"
 #include "surface/mesh/self_intersection.h"
@@ -11,11 +10,11 @@
 namespace kappaflow {
 namespace {
 
-constexpr double kOffSurface = 0.5;        // distance of a triangle's centroid from f = 0, in edge lengths
-constexpr double kDispute = 0.3;           // of a point of the lattice, in edge lengths
-constexpr int kCluster = 2;                // cells of a region are in blocks of so many that touch
-constexpr std::array kGrowth{2, 3, 4, 6};  // of a region, one entry a try [cells]
-constexpr int kPasses = 3;                 // after the first with wider regions
+constexpr double kOffSurface = 0.5;  // distance of a triangle's centroid from f = 0, in edge lengths
+constexpr double kDispute = 0.3;     // of a point of the lattice, in edge lengths
+constexpr int kCluster = 2;          // cells of a region are in blocks of so many that touch
+constexpr int kGrowth = 2;           // of a region [cells], one more in each pass
+constexpr int kPasses = 3;
 
 /// Groups of cells whose blocks touch, each ascending; in the order of their first cells' blocks.
 std::vector<std::vector<LatticeCell>> regions_of(const std::vector<LatticeCell>& cells) {
@@ -118,12 +117,12 @@ TopologyCounts TopologyChange::change(const Field& field, const TopologyOptions&
     const std::size_t replaced_before = counts.replaced;
     counts.refused = 0;
     for (const std::vector<LatticeCell>& region : regions_of(cells))
-      counts.refused += std::none_of(kGrowth.begin() + pass, kGrowth.end(),
-                                     [&](int growth) { return replacement.replace(region, growth); });
+      counts.refused += replacement.replace(region, kGrowth + pass) ? 0 : 1;
     if (counts.replaced == replaced_before) break;
     std::erase(mesh.triangles, kRemovedTriangle);
   }
   if (counts.replaced == 0) return counts;
+  steps_to_lattice_ = 1;
   finish(mesh, facts, history_);
   const auto first_born = std::ranges::lower_bound(history_.number, history_.vertices_at_start);
   counts.vertices_born = static_cast<std::size_t>(history_.number.end() - first_born);

@@ -13,7 +13,9 @@ struct TopologyOptions {
   bool follows_field = false;  ///< whether the mesh's topology follows the surface's
   /// Of the lattice, as a share of Field::length_scale(); smaller pieces, holes and gaps may be missed.
   double spacing = 0.25;
-  int lattice_interval = 4;  ///< steps between two comparisons with the whole lattice, >= 1
+  /// Steps between two comparisons with the whole lattice while nothing happens, >= 1; the step after a
+  /// replacement always compares.
+  int lattice_interval = 4;
 };
 
 /// What one change of topology did.

@@ -213,6 +213,17 @@ TEST(GoodScenes, EverySurfaceAndOutputKeyArrives) {
   EXPECT_EQ(scene.output.checker_size, 3);
   EXPECT_EQ(scene.output.texture, TextureProjection::spherical);
   EXPECT_EQ(scene.output.checkpoint_interval, 10);
+  EXPECT_EQ(scene.output.view.from, Vec3(0, -3, 1));
+  EXPECT_EQ(scene.output.view.up, Vec3(0, 0, 1));
+}
+
+TEST(GoodScenes, UpInPicturesIsAgainstGravity) {
+  std::string text(kSmallest);
+  const std::string fluid = "[fluid]\n";
+  text.insert(text.find(fluid) + fluid.size(), "gravity = [0, 0, -9.81]\n");
+  const Scene scene = load_scene(temporary_file("z_up.toml", text));
+  EXPECT_EQ(scene.output.view.up.normalized(), Vec3(0, 0, 1));
+  EXPECT_TRUE(scene.output.view.from.isApprox(Vec3(0.9, -1, 0.65), 1e-12));
 }
 
 TEST(GoodScenes, WindowsLineEndsAndByteOrderMark) {

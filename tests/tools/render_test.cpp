@@ -2,6 +2,9 @@
 #include <vtkPNGReader.h>
 #include <vtkSmartPointer.h>
 
+#include <algorithm>
+#include <cstdlib>
+
 #include "tests/tools/program.h"
 #include "tests/tools/scratch.h"
 
@@ -19,7 +22,9 @@ class Render : public Scratch {
   }
   ProgramResult render(const std::vector<std::string>& more,
                        const std::vector<std::string>& environment = {}) const {
-    std::vector<std::string> words{"render", folder.string(), "--out", (folder / "a.png").string()};
+    std::vector<std::string> words{"render", folder.string()};
+    if (std::ranges::find(more, "--out") == more.end())
+      words.insert(words.end(), {"--out", (folder / "a.png").string()});
     words.insert(words.end(), more.begin(), more.end());
     return run_program(words, environment);
   }
@@ -47,26 +52,121 @@ TEST_F(Render, WrongChoicesAreOneLine) {
             "kappaflow: error: " + folder.string() + " has frames 0 to 1, not 7\n");
   EXPECT_EQ(render({"--methods", "material"}).err,
             "kappaflow: error: " + folder.string() + " has no surface tracked with \"material\"\n");
-  EXPECT_EQ(render({"--out", (folder / "a.jpg").string()}).exit_code, 2);
+  EXPECT_EQ(render({"--out", (folder / "a.jpg").string()}).err,
+            "kappaflow: error: found \"" + (folder / "a.jpg").string() +
+                "\"; expected a file name that ends in .png or .mp4\n");
+  EXPECT_EQ(
+      render({"--colour", "speed"}).err,
+      "kappaflow: error: the surface has no array \"speed\"; it has Normals, TCoords, checker, confidence, "
+      "gaussian_curvature, id, material_slip, mean_curvature, rest_position, unprojected, velocity\n");
+  EXPECT_EQ(render({"--view", "0,-2,0"}).err,
+            "kappaflow: error: the direction to the viewer and the one that is up must be neither zero nor "
+            "parallel\n");
+  EXPECT_EQ(render({"--fps", "10"}).err, "kappaflow: error: --fps is of films, whose names end in .mp4\n");
+  EXPECT_EQ(render({"--frame", "0", "--out", (folder / "a.mp4").string()}).err,
+            "kappaflow: error: --frame is of pictures, whose names end in .png\n");
+}
+
+/// An image's bytes, red green blue, line by line from below.
+struct Image {
+  explicit Image(const std::filesystem::path& file) {
+    reader->SetFileName(file.c_str());
+    reader->Update();
+    data = reader->GetOutput();
+  }
+  int at(int x, int y, int channel) const {
+    return static_cast<int>(data->GetScalarComponentAsDouble(x, y, 0, channel));
+  }
+  vtkSmartPointer<vtkPNGReader> reader = vtkSmartPointer<vtkPNGReader>::New();
+  vtkImageData* data;
+};
+
+/// Where values lie outside of the range, surfaces have the colours of its ends: dark violet and yellow.
+TEST_F(Render, ColoursByAnyArray) {
+  const auto count = [&](const char* range, bool yellow) {
+    const ProgramResult result =
+        render({"--colour", "velocity", "--methods", "total", "--range", range, "--view", "0,0.2,1"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const Image image(folder / "a.png");
+    int pixels = 0;
+    for (int y = 150; y < 700; ++y)  // between colour bar and title
+      for (int x = 0; x < 900; ++x) {
+        const int red = image.at(x, y, 0), green = image.at(x, y, 1), blue = image.at(x, y, 2);
+        pixels += yellow ? red > blue + 50 && green > blue + 50 : red > green + 20 && blue > green + 20;
+      }
+    return pixels;
+  };
+  EXPECT_GT(count("1e3,1e4", false), 5000);
+  EXPECT_EQ(count("1e3,1e4", true), 0);
+  EXPECT_GT(count("-2,-1", true), 5000);
+}
+
+TEST_F(Render, AnArrayWithOneValueHasColoursToo) {
+  EXPECT_EQ(render({"--colour", "unprojected"}).exit_code, 0);
+}
+
+/// Films with a program of that text in the place of ffmpeg.
+class Film : public Render {
+ protected:
+  ProgramResult film(const std::string& ffmpeg) const {
+    const auto program = file("ffmpeg", "#!/bin/sh\n" + ffmpeg);
+    std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+    return run_program({"render", folder.string(), "--methods", "total"},
+                       {"PATH=" + folder.string() + ":" + std::getenv("PATH")});
+  }
+};
+
+TEST_F(Film, GivesFfmpegAllFramesAtTheSpeedOfTheLiquid) {
+  file("film.mp4", "the one before");
+  std::filesystem::create_directory(folder / "film");
+  file("film/frame_0002.png", "of a longer film before");
+  const ProgramResult result = film("for last; do :; done; echo \"$@\" > \"$last\"; ls >> \"$last\"\n");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const std::string film = (folder / "film.mp4").string();
+  EXPECT_EQ(bytes_of(film),
+            "-nostdin -loglevel error -y -framerate 100 -i frame_%04d.png -frames:v 2 -c:v libx264 "
+            "-crf 18 -pix_fmt yuv420p -movflags +faststart -f mp4 " +
+                film + ".tmp\nframe_0000.png\nframe_0001.png\n");
+  EXPECT_EQ(result.out, film + ": 2 frames, 100 a second; each of them as a picture in " +
+                            (folder / "film").string() + "\n");
+}
+
+TEST_F(Film, IsAbsentWhereFfmpegFails) {
+  const std::string film_name = (folder / "film.mp4").string(), pictures = (folder / "film").string();
+  for (const auto& [script, reason] :
+       {std::pair{"echo half > '" + film_name + ".tmp'; exit 1\n", "ffmpeg failed with status 1"},
+        std::pair{std::string("exit 127\n"), "ffmpeg, which makes films, is not installed"}}) {
+    const ProgramResult result = film(script);
+    EXPECT_EQ(result.exit_code, 5);
+    EXPECT_EQ(result.err, "kappaflow: error: " + film_name + ": " + reason +
+                              "; the pictures of all frames are in " + pictures + "\n");
+    EXPECT_FALSE(std::filesystem::exists(film_name));
+    EXPECT_FALSE(std::filesystem::exists(film_name + ".tmp"));
+    EXPECT_TRUE(std::filesystem::exists(folder / "film/frame_0001.png"));
+  }
+}
+
+TEST_F(Film, IsAFilm) {
+  if (std::system("command -v ffmpeg >/dev/null") != 0) GTEST_SKIP() << "ffmpeg is not installed";
+  const auto film = folder / "a.mp4";
+  const ProgramResult result =
+      run_program({"render", folder.string(), "--out", film.string(), "--fps", "7.5"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(bytes_of(film).substr(4, 4), "ftyp");
+  EXPECT_TRUE(std::filesystem::exists(folder / "a/frame_0001.png"));
 }
 
 TEST_F(Render, DrawsAPanelForEachMethod) {
   const ProgramResult result = render({"--frame", "0"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  auto reader = vtkSmartPointer<vtkPNGReader>::New();
-  reader->SetFileName((folder / "a.png").c_str());
-  reader->Update();
-  vtkImageData& image = *reader->GetOutput();
-  EXPECT_EQ(image.GetDimensions()[0], 1800);
-  EXPECT_EQ(image.GetDimensions()[1], 800);
+  const Image image(folder / "a.png");
+  EXPECT_EQ(image.data->GetDimensions()[0], 1800);
+  EXPECT_EQ(image.data->GetDimensions()[1], 800);
   // Both panels show the same frame 0 and differ in their titles only; neither is blank.
   int blue_left = 0, blue_right = 0;
   for (int y = 0; y < 700; ++y)
     for (int x = 0; x < 900; ++x) {
-      const auto is_blue = [&](int column) {
-        return image.GetScalarComponentAsDouble(column, y, 0, 2) >
-               image.GetScalarComponentAsDouble(column, y, 0, 0) + 60;
-      };
+      const auto is_blue = [&](int column) { return image.at(column, y, 2) > image.at(column, y, 0) + 60; };
       blue_left += is_blue(x);
       blue_right += is_blue(x + 900);
     }

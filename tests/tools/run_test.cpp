@@ -63,6 +63,24 @@ void expect_files(const fs::path& run) {
     EXPECT_NE(bytes_of(run / name).find("timestep=\"0.15\""), std::string::npos) << name;
 }
 
+/// docs/outputs.md names every column, array and key that a run leaves.
+void expect_documented(const fs::path& run) {
+  const std::string page = bytes_of(KAPPAFLOW_SOURCE_DIR "/docs/outputs.md");
+  const auto expect_name = [&](const std::string& name) {
+    EXPECT_NE(page.find("`" + name + "`"), std::string::npos) << name;
+  };
+  for (const std::string& header : {metrics_header(), pieces_header(), timings_header()})
+    for (const std::string& column : split(header.substr(0, header.size() - 1), ',')) expect_name(column);
+  for (const char* file : {"particles/particles_0001.vtp", "surface-total/surface_0001.vtp"}) {
+    const auto data = read_vtp(run / file);
+    vtkPointData& arrays = *data->GetPointData();
+    for (int a = 0; a < arrays.GetNumberOfArrays(); ++a) expect_name(arrays.GetArrayName(a));
+  }
+  Json::Value record;
+  ASSERT_TRUE(Json::Reader().parse(bytes_of(run / "run.json"), record));
+  for (const std::string& key : record.getMemberNames()) expect_name(key);
+}
+
 void expect_metrics(const fs::path& run) {
   const auto rows = read_table(run / "metrics.csv");
   ASSERT_EQ(rows.size(), (kFrames + 1) * kMethods.size());
@@ -120,6 +138,7 @@ TEST_F(Run, WritesEverythingAndStaysWithinItsLimits) {
   expect_files(folder / "one");
   expect_metrics(folder / "one");
   expect_record(folder / "one");
+  expect_documented(folder / "one");
   EXPECT_EQ(read_table(folder / "one" / "timings.csv").size(), 2u * (kFrames + 1));
 }
 

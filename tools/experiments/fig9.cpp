@@ -121,11 +121,12 @@ void add_pictures(const RunSummary& run, const ExperimentContext& context, Repor
   for (const int frame : {last / 3, 2 * last / 3, last}) {
     context.say(fmt::format("drawing frame {}", frame));
     const std::string name = fmt::format("fig9_{:04}.png", frame);
-    render({.folder = context.folder / "run",
-            .picture = context.folder / name,
-            .frame = frame,
-            .methods = {},
-            .columns = 3});
+    RenderOptions options;
+    options.folder = context.folder / "run";
+    options.out = context.folder / name;
+    options.frame = frame;
+    options.columns = 3;
+    render(options);
     report.figures.push_back({name, fmt::format("All methods at t = {:.2f} s.", run.frames[frame].time)});
   }
 }

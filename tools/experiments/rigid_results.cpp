@@ -89,7 +89,7 @@ void draw_rigid_meshes(const RigidExperiment& experiment, const std::vector<cons
     }
   PictureStyle style{.columns = static_cast<int>(cases.size()), .panel_width = 480, .panel_height = 440};
   style.edges = true;
-  style.from = Vec3(0.3, 0.35, 1);
+  style.view.from = Vec3(0.3, 0.35, 1);
   draw_picture(context.folder / (name + ".png"), panels, nullptr, nullptr, style);
 }
 

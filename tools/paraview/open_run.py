@@ -6,6 +6,7 @@ Without a window:     xvfb-run -a pvbatch tools/paraview/open_run.py out/stairca
 The picture shows the last frame, or the frame nearest to the time [s] given as a third word.
 """
 
+import json
 import os
 import sys
 from xml.etree import ElementTree
@@ -44,11 +45,13 @@ def show(run, method, pvd, view):
     view.OrientationAxesVisibility = 0
 
 
-def aim(view):
-    """From the foot of the stairs, the right and above; gravity points down the screen."""
+def aim(view, run):
+    """From where the run's scene says, else from above at an angle with y up."""
+    with open(os.path.join(run, "run.json"), encoding="utf-8") as record:
+        direction = json.load(record).get("view", {"from": [0.9, 0.65, 1], "up": [0, 1, 0]})
     view.CameraFocalPoint = [0, 0, 0]
-    view.CameraPosition = [0.9, 0.65, 1]
-    view.CameraViewUp = [0, 1, 0]
+    view.CameraPosition = direction["from"]
+    view.CameraViewUp = direction["up"]
     view.CameraViewAngle = 24
     simple.ResetCamera(view)
 
@@ -82,7 +85,7 @@ def main():
     scene.AnimationTime = min(times, key=lambda time: abs(time - wanted))
     for view in views:
         simple.Render(view)
-        aim(view)
+        aim(view, run)
     for number, view in enumerate(views[1:], start=2):
         simple.AddCameraLink(views[0], view, f"camera of view {number}")
     if len(sys.argv) > 2:

@@ -40,8 +40,9 @@ TEST(VelocityMethods, AreFoundByName) {
     EXPECT_EQ(&velocity_method(method.name), &method);
     names.insert(method.name);
   }
-  EXPECT_EQ(names, (std::set<std::string_view>{"normal", "total", "curvature", "curvature-only",
-                                               "curvature-first", "regional", "material"}));
+  for (const std::string_view known :
+       {"normal", "total", "curvature", "curvature-only", "curvature-first", "regional", "material"})
+    EXPECT_TRUE(names.contains(known)) << known;
   try {
     velocity_method("magic");
     FAIL() << "an unknown method was accepted";

@@ -1,0 +1,30 @@
+# The program, and for find_package(kappaflow) the libraries kappaflow::core, solver, surface and scenes with their
+# headers, which keep their paths: #include "surface/tracker/surface_tracker.h".
+include(CMakePackageConfigHelpers)
+include(GNUInstallDirs)
+
+set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/kappaflow)
+set(header_folder ${CMAKE_INSTALL_INCLUDEDIR}/kappaflow)
+
+foreach(library settings core solver surface scenes)
+  set_target_properties(kappaflow_${library} PROPERTIES EXPORT_NAME ${library})
+  install(TARGETS kappaflow_${library} EXPORT kappaflow)
+endforeach()
+target_include_directories(kappaflow_settings INTERFACE $<INSTALL_INTERFACE:${header_folder}>)
+install(EXPORT kappaflow NAMESPACE kappaflow:: FILE kappaflowTargets.cmake DESTINATION ${package_folder})
+configure_package_config_file(cmake/kappaflowConfig.cmake.in ${PROJECT_BINARY_DIR}/kappaflowConfig.cmake
+                              INSTALL_DESTINATION ${package_folder})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/kappaflowConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/kappaflowConfig.cmake ${PROJECT_BINARY_DIR}/kappaflowConfigVersion.cmake
+        DESTINATION ${package_folder})
+foreach(folder core solver surface scenes)
+  install(DIRECTORY ${folder} DESTINATION ${header_folder} FILES_MATCHING PATTERN "*.h"
+          PATTERN benchmark EXCLUDE PATTERN experiments EXCLUDE)
+endforeach()
+install(FILES ${PROJECT_BINARY_DIR}/core/version.h DESTINATION ${header_folder}/core)
+
+install(TARGETS kappaflow)
+install(DIRECTORY scenes DESTINATION share/kappaflow
+        FILES_MATCHING PATTERN "*.toml" PATTERN "*.csv" PATTERN "*.vtp" PATTERN "*.md")
+install(FILES tools/paraview/open_run.py DESTINATION share/kappaflow/paraview)
+install(FILES README.md CHANGELOG.md LICENSE CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR})

@@ -1,0 +1,53 @@
+// The nearest of many triangles.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/nearest_on_triangle.h"
+#include "core/types.h"
+
+namespace kappaflow {
+
+/// A tree of bounding boxes over triangles, halved at the median along the longest side of their box.
+class TriangleTree {
+ public:
+  using Corners = std::array<Vec3, 3>;
+
+  struct Nearest {
+    std::uint32_t triangle;  ///< in the order in which they were given
+    NearestOnTriangle at;
+    double square;  ///< of the distance [m2]
+  };
+
+  /// triangles: at least one, all finite [m].
+  explicit TriangleTree(std::vector<Corners> triangles);
+
+  /// The nearest triangle to x; of several the first in the order of the tree, which depends on the triangles
+  /// alone. May be called from many threads.
+  Nearest nearest(const Vec3& x) const;
+
+ private:
+  struct Leaf {
+    Corners corner;
+    std::uint32_t number;
+  };
+  struct Node {
+    Vec3 lower, upper;
+    std::uint32_t begin, end;  // leaves
+    std::uint32_t second;      // the second child; the first follows its parent; 0: a leaf
+
+    double squared_distance(const Vec3& x) const {
+      return (lower - x).cwiseMax(x - upper).cwiseMax(0).squaredNorm();
+    }
+  };
+
+  void build(std::uint32_t begin, std::uint32_t end);
+  void split(std::uint32_t begin, std::uint32_t end, const Node& node);
+
+  std::vector<Leaf> leaves_;
+  std::vector<Node> nodes_;
+};
+
+}  // namespace kappaflow

@@ -1,0 +1,27 @@
+// From where pictures of a scene are taken.
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "core/types.h"
+
+namespace kappaflow {
+
+/// Directions without a length; how far away the viewer stands follows from what there is to see.
+struct View {
+  Vec3 from{0.9, 0.65, 1};  ///< from the subject to the viewer
+  Vec3 up{0, 1, 0};         ///< what points up in the picture
+};
+
+/// The default view, turned so that `up`, which is not zero, points up in it.
+inline View view_with(const Vec3& up) {
+  return {Eigen::Quaterniond::FromTwoVectors(View{}.up, up) * View{}.from, up};
+}
+
+/// Whether the directions are such that there is a picture: neither zero nor parallel.
+inline bool is_view(const View& view) {
+  return view.from.norm() > 1e-12 && view.up.norm() > 1e-12 &&
+         view.from.normalized().cross(view.up.normalized()).norm() > 1e-3;
+}
+
+}  // namespace kappaflow

@@ -1,0 +1,17 @@
+// Digital topology: which points of a lattice may change sides without a change of topology.
+#pragma once
+
+#include <cstdint>
+
+namespace kappaflow {
+
+/// The 26 neighbours of a lattice's point and the point itself, one bit each: bit 9 (k + 1) + 3 (j + 1) + i +
+/// 1 for the one at offset (i, j, k); 1 inside.
+using Neighbourhood = std::uint32_t;
+
+/// Whether the point may change sides without joining, parting, opening or filling anything: it is a simple
+/// point (Bertrand & Malandain, "A new characterization of three-dimensional simple points", 1994) both where
+/// the inside is connected across corners and the outside across faces, and the other way round.
+bool is_simple(Neighbourhood inside);
+
+}  // namespace kappaflow

@@ -1,0 +1,34 @@
+// What colours the surfaces of pictures: the checker, or the numbers of any point array.
+#pragma once
+
+#include <vtkLookupTable.h>
+#include <vtkPolyData.h>
+#include <vtkSmartPointer.h>
+
+#include <array>
+#include <string>
+
+namespace kappaflow {
+
+inline constexpr const char* kCheckerArray = "checker";  ///< holds colours as they are
+
+/// Numbers as colours, the same in all panels and frames.
+struct Colouring {
+  std::string array;                      ///< point array; of vectors the length counts
+  std::string title;                      ///< of the colour bar
+  vtkSmartPointer<vtkLookupTable> table;  ///< values outside of its range have the colours of its ends
+};
+
+/// The least and the greatest value to be told apart by colour.
+using ValueRange = std::array<double, 2>;
+
+/// The range that all but 2 % of the vertices lie in: from the 1st to the 99th percentile of the array's
+/// values, or of the lengths of its vectors. Throws InvalidInput that lists the surface's arrays where it has
+/// none of that name.
+ValueRange value_range(vtkPolyData& surface, const std::string& array);
+
+/// From blue over white at 0 to red where the range has both signs, else from dark blue to yellow. surface:
+/// any that has the array. Throws InvalidInput as value_range() does.
+Colouring colouring(vtkPolyData& surface, const std::string& array, ValueRange range);
+
+}  // namespace kappaflow
