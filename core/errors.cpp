@@ -11,17 +11,17 @@ std::string located(const SourcePosition& where, const std::string& message) {
   return fmt::format("{}:{}:{}: {}", where.file, where.line, where.column, message);
 }
 
-std::string at_particle(std::int64_t particle) {
-  return particle < 0 ? std::string() : fmt::format(", particle {}", particle);
-}
-
 }  // namespace
 
 InvalidInput::InvalidInput(const SourcePosition& where, const std::string& message)
     : Error(located(where, message), 2) {}
 
-SolverFailure::SolverFailure(double time, std::int64_t particle, const std::string& message)
-    : Error(fmt::format("the simulation failed at t = {:.6g} s{}: {}", time, at_particle(particle), message),
+SolverFailure::SolverFailure(double time, std::size_t step, const FailedParticle& particle,
+                             const std::string& message)
+    : Error(fmt::format("the simulation failed at t = {:.6g} s, step {}, particle {} at ({:.6g}, {:.6g}, "
+                        "{:.6g}) m with {:.4g} m/s: {}",
+                        time, step, particle.id, particle.position.x(), particle.position.y(),
+                        particle.position.z(), particle.speed, message),
             3) {}
 
 TopologyError::TopologyError(const Vec3& position, const std::string& message)

@@ -1,6 +1,8 @@
 // The errors that leave the libraries. The command line prints what() on one line and exits with exit_code().
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -33,11 +35,18 @@ class InvalidInput : public Error {
   InvalidInput(const SourcePosition& where, const std::string& message);
 };
 
+/// The particle that a failure shows in.
+struct FailedParticle {
+  std::int64_t id = 0;
+  Vec3 position = Vec3::Zero();  ///< [m]
+  double speed = 0;              ///< [m/s]
+};
+
 /// The simulation cannot go on (not finite, exploding, not converging). Exit code 3.
 class SolverFailure : public Error {
  public:
-  /// time [s]; particle: its id, or -1 when no single particle is at fault.
-  SolverFailure(double time, std::int64_t particle, const std::string& message);
+  /// time: at the step's start [s]; step: counted from 1.
+  SolverFailure(double time, std::size_t step, const FailedParticle& particle, const std::string& message);
 };
 
 /// The mesh is not what an operation needs (not closed, not manifold). position [m]. Exit code 4.

@@ -17,6 +17,12 @@ struct Particles {
   std::vector<Vec3> velocity;    ///< [m/s]
 
   std::size_t size() const { return id.size(); }
+
+  /// See core/saved_state.h.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(time, id, position, velocity);
+  }
 };
 
 /// Throws InvalidInput when array lengths differ, ids are not strictly ascending, or a number is not finite.

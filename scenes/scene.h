@@ -92,7 +92,8 @@ struct OutputDescription {
   Vec3 report_axis{0, 0, 1};  ///< axis of rotation_captured, normalised
   double checker_size = 4;    ///< edge of a checker cube in units of sigma
   TextureProjection texture = TextureProjection::box;
-  View view;  ///< of pictures
+  int checkpoint_interval = 1;  ///< frames from one checkpoint to the next
+  View view;                    ///< of pictures
 };
 
 struct Scene {
@@ -111,6 +112,8 @@ struct Scene {
 /// Reads and checks a scene, with the meshes that it names and the particles that it yields. Throws
 /// InvalidInput "file:line:column: found; allowed" for the first mistake.
 Scene load_scene(const std::filesystem::path& file);
+/// The same of a text that was read from `file`: errors name it, and meshes lie beside it.
+Scene parse_scene(const std::string& text, const std::filesystem::path& file);
 
 /// The particles of all blocks, in the order of the blocks and x-fastest within one. Boxes are filled from
 /// their lower corner, spheres symmetrically about their centre, meshes from the lower corner of their

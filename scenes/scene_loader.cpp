@@ -324,6 +324,8 @@ void read_output(TomlTable t, double duration, const Vec3& gravity, OutputDescri
   output.report_axis = t.vector("report_axis", "", output.report_axis);
   output.checker_size = t.number("checker_size", positive("sigma", 1e3), output.checker_size);
   output.texture = t.choice("texture", kProjections, std::optional(output.texture));
+  output.checkpoint_interval =
+      t.integer("checkpoint_interval", 1, kMaxIterations, output.checkpoint_interval);
   const bool falls = gravity.norm() > 0;
   output.view = view_with(t.vector("view_up", "", falls ? Vec3(Vec3::Zero() - gravity) : View{}.up));
   output.view.from = t.vector("view_from", "", output.view.from);
@@ -341,9 +343,13 @@ void read_output(TomlTable t, double duration, const Vec3& gravity, OutputDescri
 }  // namespace
 
 Scene load_scene(const std::filesystem::path& file) {
+  return parse_scene(read_small_text_file(file), file);
+}
+
+Scene parse_scene(const std::string& text, const std::filesystem::path& file) {
   Scene scene;
   scene.file = file;
-  scene.text = read_small_text_file(file);
+  scene.text = text;
   const toml::table document = parse_toml(scene.text, file);
 
   TomlTable root(document, "the scene", file.string());

@@ -65,6 +65,12 @@ class Emitters {
   /// The largest speed of an emitter that has layers left [m/s]; 0: none has.
   double fastest() const;
 
+  /// See core/saved_state.h.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    for (Nozzle& nozzle : nozzles_) archive(nozzle.made, nozzle.done);
+  }
+
  private:
   struct Nozzle {
     Emitter emitter;

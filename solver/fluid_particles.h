@@ -41,6 +41,13 @@ struct FluidParticles {
   std::vector<float> scalar_scratch;
 
   std::size_t size() const { return id.size(); }
+
+  /// See core/saved_state.h.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(id, position, velocity, viscous_change, density_pressure, divergence_pressure, fluid, led_by);
+  }
+
   std::size_t bytes() const {
     return bytes_of(id, position, velocity, viscous_change, density_pressure, divergence_pressure, fluid,
                     led_by, density, gradient_sum, gradient_square_sum, scratch[0], scratch[1], scratch[2],

@@ -8,6 +8,7 @@
 
 #include "core/errors.h"
 #include "core/parallel.h"
+#include "core/saved_state.h"
 #include "core/stopwatch.h"
 #include "solver/boundary.h"
 #include "solver/boundary_sampling.h"
@@ -20,6 +21,10 @@
 
 namespace kappaflow {
 namespace {
+
+// Errors at the last iteration beyond which the flow is no longer the liquid's.
+constexpr double kFailedViscosity = 0.1;  // relative residual [1]
+constexpr double kFailedPressure = 0.01;  // mean compression [1]
 
 void accelerate(FluidParticles& particles, const Vec4f& acceleration, float time_step) {
   parallel_for(particles.size(), [&](std::size_t i) {
@@ -41,15 +46,27 @@ double fastest_speed(const FluidParticles& particles) {
   return std::sqrt(static_cast<double>(square));
 }
 
-/// The id of the particle with the largest speed, or the lowest id among those whose speed is not finite.
-std::int64_t fastest_id(const FluidParticles& particles) {
-  std::pair<float, std::int64_t> fastest{-1.0f, -1};
-  for (std::size_t i = 0; i < particles.size(); ++i) {
-    const float s = particles.velocity[i].squaredNorm();
-    fastest = std::max(fastest, {std::isfinite(s) ? s : std::numeric_limits<float>::infinity(),
-                                 -static_cast<std::int64_t>(particles.id[i])});
-  }
-  return -fastest.second;
+/// The particle with the largest value, NaN being larger than all; of several the one with the lowest id.
+template <class Value>
+FailedParticle worst_particle(const FluidParticles& particles, const Value& value) {
+  std::size_t worst = 0;
+  const auto rank = [&](std::size_t i) {
+    const float v = value(i);
+    return std::pair(std::isnan(v) ? std::numeric_limits<float>::infinity() : v,
+                     -static_cast<std::int64_t>(particles.id[i]));
+  };
+  for (std::size_t i = 1; i < particles.size(); ++i)
+    if (rank(i) > rank(worst)) worst = i;
+  const Vec3 velocity = particles.velocity[worst].head<3>().cast<double>();
+  return {particles.id[worst], particles.position[worst].head<3>().cast<double>(), velocity.norm()};
+}
+
+FailedParticle fastest_particle(const FluidParticles& particles) {
+  return worst_particle(particles, [&](std::size_t i) { return particles.velocity[i].squaredNorm(); });
+}
+
+FailedParticle densest_particle(const FluidParticles& particles) {
+  return worst_particle(particles, [&](std::size_t i) { return particles.density[i]; });
 }
 
 /// Mean of max(rho/rho0 - 1, 0).
@@ -98,7 +115,11 @@ struct FluidSolver::State {
   void settle();
   double time_step(double time_left) const;
   void check_finite() const;
+  void check_viscosity(const ViscositySolve& solve) const;
+  void check_pressure(const PressureSolve& solve, const char* solver, double tolerance) const;
   void measure(FluidStep& done);
+  template <class Archive>
+  void serialize(Archive& archive);
 
   FluidOptions options;
   NeighbourSearch search;
@@ -109,6 +130,7 @@ struct FluidSolver::State {
   Emitters emitters;
 
   double time = 0;
+  std::size_t steps = 0;
   double fastest = 0;  // speed now
   FluidParticles particles;
   NeighbourLists neighbours;
@@ -147,11 +169,15 @@ FluidStep FluidSolver::step(double time_left) {
   s.tension.apply(s.particles, s.neighbours, dt);
   s.pressure.apply_last(s.particles, s.neighbours, dt);
   done.seconds.forces = watch.lap();
-  done.viscosity_iterations = s.viscosity.solve(s.particles, s.neighbours, s.wall_sums, dt);
+  const ViscositySolve viscosity = s.viscosity.solve(s.particles, s.neighbours, s.wall_sums, dt);
+  done.viscosity_iterations = viscosity.iterations;
   done.seconds.viscosity = watch.lap();
-  done.density_iterations = s.pressure.correct_density(s.particles, s.neighbours, s.wall_sums, dt).iterations;
+  const PressureSolve density = s.pressure.correct_density(s.particles, s.neighbours, s.wall_sums, dt);
+  done.density_iterations = density.iterations;
   done.seconds.density = watch.lap();
   s.check_finite();
+  s.check_viscosity(viscosity);
+  s.check_pressure(density, "density", s.options.density_tolerance);
   move(s.particles, dt);
   s.emitters.emit(s.particles, s.time + done.time_step);
   s.walls.move_to(s.time + done.time_step);
@@ -159,12 +185,14 @@ FluidStep FluidSolver::step(double time_left) {
   done.seconds.neighbours = watch.lap();
   s.sum_walls();
   done.seconds.walls = watch.lap();
-  done.divergence_iterations =
-      s.pressure.correct_divergence(s.particles, s.neighbours, s.wall_sums, dt).iterations;
+  const PressureSolve divergence = s.pressure.correct_divergence(s.particles, s.neighbours, s.wall_sums, dt);
+  done.divergence_iterations = divergence.iterations;
   done.seconds.divergence = watch.lap();
   s.check_finite();
+  s.check_pressure(divergence, "divergence", s.options.divergence_tolerance);
 
   s.time += done.time_step;
+  ++s.steps;
   s.measure(done);
   done.seconds.step = watch.seconds();
   return done;
@@ -202,12 +230,14 @@ double FluidSolver::State::time_step(double time_left) const {
     throw InvalidInput(fmt::format("time left for the step = {} s; must be above 0", time_left));
   const double needed = cfl_time_step(std::max({fastest, emitters.fastest(), walls.fastest()}),
                                       options.gravity.norm(), options.cfl * options.spacing);
-  if (needed < options.min_time_step)
+  if (needed < options.min_time_step) {
+    check_finite();
     throw SolverFailure(
-        time, fastest_id(particles),
-        fmt::format("its speed of {:.4g} m/s needs a time step of {:.3g} s, below min_time_step = "
-                    "{:.3g} s; lower cfl or max_time_step if the flow explodes, else min_time_step",
-                    fastest, needed, options.min_time_step));
+        time, steps + 1, fastest_particle(particles),
+        fmt::format("such a speed needs a time step of {:.3g} s, below min_time_step = {:.3g} s; lower cfl "
+                    "or max_time_step if the flow explodes, else min_time_step",
+                    needed, options.min_time_step));
+  }
   const double capillary = capillary_time_step(options.surface_tension, options.density, options.spacing);
   return fit_time_step(std::min({needed, capillary, options.max_time_step}), time_left);
 }
@@ -215,9 +245,29 @@ double FluidSolver::State::time_step(double time_left) const {
 void FluidSolver::State::check_finite() const {
   if (std::isfinite(fastest_speed(particles))) return;
   throw SolverFailure(
-      time, fastest_id(particles),
+      time, steps + 1, fastest_particle(particles),
       fmt::format("its velocity is not finite; try a smaller cfl (now {}) or max_time_step (now {} s)",
                   options.cfl, options.max_time_step));
+}
+
+void FluidSolver::State::check_viscosity(const ViscositySolve& solve) const {
+  if (solve.residual <= std::max(kFailedViscosity, options.viscosity_tolerance)) return;
+  throw SolverFailure(
+      time, steps + 1, fastest_particle(particles),
+      fmt::format("the viscosity solver is at a relative residual of {:.2g} after {} iterations; raise "
+                  "max_viscosity_iterations (now {}), or lower max_time_step (now {} s) or the viscosity",
+                  solve.residual, solve.iterations, options.max_viscosity_iterations, options.max_time_step));
+}
+
+void FluidSolver::State::check_pressure(const PressureSolve& solve, const char* solver,
+                                        double tolerance) const {
+  if (solve.mean_error <= std::max(kFailedPressure, tolerance)) return;
+  throw SolverFailure(
+      time, steps + 1, densest_particle(particles),
+      fmt::format("the {} solver is at a mean error of {:.2g} after {} iterations; raise "
+                  "max_pressure_iterations (now {}), or lower cfl (now {}) or max_time_step (now {} s)",
+                  solver, solve.mean_error, solve.iterations, options.max_pressure_iterations, options.cfl,
+                  options.max_time_step));
 }
 
 void FluidSolver::State::measure(FluidStep& done) {
@@ -228,6 +278,23 @@ void FluidSolver::State::measure(FluidStep& done) {
   done.fastest = fastest = fastest_speed(particles);
 }
 
+template <class Archive>
+void FluidSolver::State::serialize(Archive& archive) {
+  archive(time, steps, fastest, particles, emitters);
+  if constexpr (Archive::is_loading::value) {
+    walls.move_to(time);
+    find_neighbours();
+    sum_walls();
+  }
+}
+
+template <class Archive>
+void FluidSolver::serialize(Archive& archive) {
+  archive(*state_);
+}
+template void FluidSolver::serialize(StateWriter&);
+template void FluidSolver::serialize(StateReader&);
+
 SolverMemory FluidSolver::memory() const {
   const State& s = *state_;
   return {s.particles.bytes() + s.search.bytes() + s.neighbours.bytes() + s.wall_sums.bytes() +
@@ -237,6 +304,9 @@ SolverMemory FluidSolver::memory() const {
 
 double FluidSolver::time() const {
   return state_->time;
+}
+std::size_t FluidSolver::steps() const {
+  return state_->steps;
 }
 std::size_t FluidSolver::size() const {
   return state_->particles.size();

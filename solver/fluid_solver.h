@@ -85,17 +85,22 @@ class FluidSolver {
   FluidSolver& operator=(FluidSolver&&) noexcept;
 
   /// Advances by one adaptive time step, not longer than time_left [s].
-  /// Throws SolverFailure when a number is not finite or the step would have to be shorter than
-  /// min_time_step.
+  /// Throws SolverFailure when a number is not finite, when the step would have to be shorter than
+  /// min_time_step, or when a solver is far from converged at its last iteration.
   FluidStep step(double time_left);
 
   double time() const;          ///< [s]
+  std::size_t steps() const;    ///< since t = 0
   std::size_t size() const;     ///< particles; grows where there are emitters
   Particles particles() const;  ///< now, sorted by id
   SolverMemory memory() const;
   std::vector<float> densities() const;      ///< by id [kg/m3]
   std::vector<float> pressures() const;      ///< by id [Pa]
   std::vector<std::uint8_t> fluids() const;  ///< by id, which fluid
+
+  /// See core/saved_state.h; for a solver that was made with the same arguments.
+  template <class Archive>
+  void serialize(Archive& archive);
 
  private:
   struct State;

@@ -104,9 +104,9 @@ void ViscositySolver::invert_diagonal(const FluidParticles& particles, const Nei
   });
 }
 
-int ViscositySolver::solve(FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,
-                           float time_step) {
-  if (std::ranges::all_of(pair_viscosity_, [](float viscosity) { return viscosity == 0; })) return 0;
+ViscositySolve ViscositySolver::solve(FluidParticles& particles, const NeighbourLists& lists,
+                                      const WallSums& walls, float time_step) {
+  if (std::ranges::all_of(pair_viscosity_, [](float viscosity) { return viscosity == 0; })) return {};
   const std::size_t n = particles.size();
   auto &residual = particles.scratch[0], &direction = particles.scratch[1], &image = particles.scratch[2];
   residual.resize(n);
@@ -119,14 +119,13 @@ int ViscositySolver::solve(FluidParticles& particles, const NeighbourLists& list
   // (I + dt L) change = -dt (L v* - f), where f is the drive of moving walls: the right-hand side does not
   // see a common velocity, so neither does the tolerance.
   const auto sum = [n](const auto& value) { return parallel_sum<double>(n, 0.0, value); };
-  const double target = tolerance_ * tolerance_ * sum([&](std::size_t i) {
-                          residual[i] =
-                              velocity[i] - apply_to(i, particles, lists, walls, time_step, velocity);
-                          if (walls.touches(i))
-                            residual[i] += time_step * wall_viscosity_[particles.fluid[i]] * walls.drive(i);
-                          if (particles.led_by[i] != 0) residual[i].setZero();
-                          return dot(residual[i], residual[i]);
-                        });
+  const double first = sum([&](std::size_t i) {
+    residual[i] = velocity[i] - apply_to(i, particles, lists, walls, time_step, velocity);
+    if (walls.touches(i)) residual[i] += time_step * wall_viscosity_[particles.fluid[i]] * walls.drive(i);
+    if (particles.led_by[i] != 0) residual[i].setZero();
+    return dot(residual[i], residual[i]);
+  });
+  const double target = tolerance_ * tolerance_ * first;
   double square = sum([&](std::size_t i) {
     residual[i] -= apply_to(i, particles, lists, walls, time_step, change);
     if (particles.led_by[i] != 0) residual[i].setZero();
@@ -157,7 +156,7 @@ int ViscositySolver::solve(FluidParticles& particles, const NeighbourLists& list
   // change + residual = -dt (L (v* + change) - f) is a sum of pair forces: momentum is conserved whatever the
   // tolerance.
   parallel_for(n, [&](std::size_t i) { velocity[i] += change[i] + residual[i]; });
-  return iterations;
+  return {iterations, first > 0 ? std::sqrt(square / first) : 0};
 }
 
 }  // namespace kappaflow

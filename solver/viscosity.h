@@ -29,6 +29,12 @@ T viscosity_weight(const T& r2, float support) {
 /// xx, yy, zz, yz, xz, xy
 using SymmetricMatrix = std::array<float, 6>;
 
+/// How a viscosity solve ended.
+struct ViscositySolve {
+  int iterations = 0;
+  double residual = 0;  ///< over the one without viscosity [1]
+};
+
 /// Solves (I + dt L) v = v* + dt f for the new velocities v, where f - L v is the viscous acceleration: L is
 /// symmetric, positive semidefinite, zero for rigid motions of free liquid; f is what moving walls drive. The
 /// particles that an emitter leads keep their velocity; the others are solved for. Conjugate gradients on the
@@ -37,8 +43,9 @@ class ViscositySolver {
  public:
   explicit ViscositySolver(const FluidOptions& options);
 
-  /// Replaces particles.velocity and viscous_change; returns the number of iterations. time_step [s].
-  int solve(FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls, float time_step);
+  /// Replaces particles.velocity and viscous_change. time_step [s].
+  ViscositySolve solve(FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,
+                       float time_step);
 
   /// (I + dt L) u for one vector a particle.
   void apply(const FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,

@@ -13,7 +13,7 @@ namespace {
 constexpr const char* kExitCodes =
     "Exit codes:\n"
     "  0 done   2 wrong input or command line   3 the simulation failed   4 broken mesh\n"
-    "  5 a file cannot be read or written   130 interrupted (Ctrl-C)";
+    "  5 a file cannot be read or written   130 interrupted (Ctrl-C)   143 ended (SIGTERM)";
 
 std::vector<std::string_view> method_names() {
   std::vector<std::string_view> names;

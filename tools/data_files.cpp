@@ -91,9 +91,11 @@ vtkSmartPointer<vtkPolyData> particle_data(const ParticleFrame& frame) {
   arrays.AddArray(make_array("velocity", 3, particles.velocity));
   if (!frame.density.empty()) arrays.AddArray(make_array("density", 1, frame.density));
   if (!frame.pressure.empty()) arrays.AddArray(make_array("pressure", 1, frame.pressure));
-  arrays.AddArray(make_array<vtkDoubleArray>("weight", 1, frame.weight));
-  arrays.AddArray(
-      make_array<vtkDoubleArray>("sigma", 1, particles.size(), [&](std::size_t) { return frame.sigma; }));
+  if (!frame.weight.empty()) {
+    arrays.AddArray(make_array<vtkDoubleArray>("weight", 1, frame.weight));
+    arrays.AddArray(
+        make_array<vtkDoubleArray>("sigma", 1, particles.size(), [&](std::size_t) { return frame.sigma; }));
+  }
   set_time(*data, particles.time);
   return data;
 }

@@ -20,8 +20,8 @@ struct ParticleFrame {
   const Particles& particles;
   std::span<const float> density;   ///< [kg/m3]; may be empty
   std::span<const float> pressure;  ///< [Pa]; may be empty
-  std::span<const double> weight;   ///< w_i of Eq. 12
-  double sigma;                     ///< support radius of Eq. 12 [m]
+  std::span<const double> weight;   ///< w_i of Eq. 12; may be empty
+  double sigma;                     ///< support radius of Eq. 12 [m]; of no account without weights
 };
 
 /// Point arrays velocity, density, pressure, id, weight and sigma (the last two let `kappaflow probe` read

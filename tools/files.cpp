@@ -1,5 +1,9 @@
 #include "tools/files.h"
 
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -30,31 +34,72 @@ int write_all(const fs::path& path, const char* mode, std::string_view content) 
   return std::fclose(file.release()) == 0 ? 0 : errno;
 }
 
-[[noreturn]] void fail(const fs::path& path, const char* what, int reason) {
-  throw IoError(path.string(), std::string(what) + " (" + std::strerror(reason) + ")");
+/// Returns 0 or the reason of the failure.
+int flush(const fs::path& path) {
+  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return errno;
+  const int reason = fsync(descriptor) == 0 || errno == EINVAL ? 0 : errno;  // EINVAL: nothing to flush there
+  close(descriptor);
+  return reason;
+}
+
+[[noreturn]] void fail(const fs::path& path, const std::string& what, int reason) {
+  throw IoError(path.string(), fmt::format("{} ({})", what, std::strerror(reason)));
+}
+
+[[noreturn]] void fail_to_write(const fs::path& path, const char* what, std::size_t bytes, int reason) {
+  fail(path, fmt::format("{} bytes cannot be {}", bytes, what), reason);
+}
+
+/// flushed: before the file gets its name.
+void replace_file(const fs::path& path, std::string_view content, bool flushed) {
+  const fs::path temporary = path.string() + ".tmp";
+  int reason = write_all(temporary, "wb", content);
+  if (reason == 0 && flushed) reason = flush(temporary);
+  if (reason == 0 && std::rename(temporary.c_str(), path.c_str()) != 0) reason = errno;
+  if (reason == 0) return;
+  std::error_code ignored;  // the first failure is the one to report
+  fs::remove(temporary, ignored);
+  fail_to_write(path, "written", content.size(), reason);
 }
 
 }  // namespace
 
 void write_file(const fs::path& path, std::string_view content) {
-  const fs::path temporary = path.string() + ".tmp";
-  int reason = write_all(temporary, "wb", content);
-  if (reason == 0 && std::rename(temporary.c_str(), path.c_str()) != 0) reason = errno;
-  if (reason == 0) return;
-  std::error_code ignored;  // the first failure is the one to report
-  fs::remove(temporary, ignored);
-  fail(path, "cannot be written", reason);
+  replace_file(path, content, false);
+}
+
+void write_file_durably(const fs::path& path, std::string_view content) {
+  replace_file(path, content, true);
+  flush_to_disk(path.parent_path());
+}
+
+void flush_to_disk(const fs::path& path) {
+  if (const int reason = flush(path); reason != 0) fail(path, "cannot be flushed to the disk", reason);
 }
 
 void append_lines(const fs::path& path, std::string_view lines) {
-  std::error_code missing;
-  const std::uintmax_t size = fs::file_size(path, missing);
-  if (missing) fail(path, "cannot be appended to", missing.value());
+  const std::uint64_t size = size_of_file(path);
   const int reason = write_all(path, "ab", lines);
   if (reason == 0) return;
   std::error_code ignored;
   fs::resize_file(path, size, ignored);
-  fail(path, "cannot be appended to", reason);
+  fail_to_write(path, "appended", lines.size(), reason);
+}
+
+std::uint64_t size_of_file(const fs::path& path) {
+  std::error_code error;
+  const std::uint64_t size = fs::file_size(path, error);
+  if (error) fail(path, "cannot be read", error.value());
+  return size;
+}
+
+void cut_file(const fs::path& path, std::uint64_t size) {
+  if (const std::uint64_t now = size_of_file(path); now < size)
+    throw IoError(path.string(), fmt::format("has {} bytes; it had {}", now, size));
+  std::error_code error;
+  fs::resize_file(path, size, error);
+  if (error) fail(path, "cannot be cut back", error.value());
 }
 
 std::string read_file(const fs::path& path) {

@@ -12,8 +12,20 @@ namespace kappaflow {
 /// Throws IoError (the disk is full, no permission, ...) and leaves neither file nor temporary behind.
 void write_file(const std::filesystem::path& path, std::string_view content);
 
+/// The same, and it returns only when the file is on the disk, where a power cut leaves it.
+void write_file_durably(const std::filesystem::path& path, std::string_view content);
+
+/// Returns when what was written into the file, or the names in the folder, are on the disk. Throws IoError.
+void flush_to_disk(const std::filesystem::path& path);
+
 /// Appends whole lines and flushes; a failed append leaves the file as it was. Throws IoError.
 void append_lines(const std::filesystem::path& path, std::string_view lines);
+
+/// Of a file that is there. Throws IoError.
+std::uint64_t size_of_file(const std::filesystem::path& path);
+
+/// Cuts what stands after the first `size` bytes. Throws IoError, also where the file is shorter.
+void cut_file(const std::filesystem::path& path, std::uint64_t size);
 
 /// Throws IoError.
 std::string read_file(const std::filesystem::path& path);

@@ -19,28 +19,30 @@ FrameWriter::FrameWriter(const OutputDescription& output, const TrackedSurfaces&
 void FrameWriter::write(FrameMetrics metrics, const ParticleFrame& particles, SurfacesSinceFrame since_frame,
                         const Stopwatch& watch, RunSummary& summary) {
   metrics.particles = particles.particles.size();
-  measure_isosurface(surfaces_.field(), surfaces_.field_options().sigma, metrics);
+  const TriangleMesh isosurface =
+      measure_isosurface(surfaces_.field(), surfaces_.field_options().sigma, metrics);
   folder_.write_particles(metrics.frame, *particle_data(particles));
   const double shared_seconds = watch.seconds();
 
+  const double memory = resident_memory();
   FrameRows rows;
   summary.methods.resize(surfaces_.trackers().size());
   for (std::size_t m = 0; m < surfaces_.trackers().size(); ++m) {
     const Stopwatch surface_watch;
     const std::string method(surfaces_.trackers()[m].method().name);
-    const SurfaceMetrics surface = write_surface(metrics, m, since_frame);
+    const SurfaceMetrics surface = write_surface(metrics, isosurface, m, since_frame);
     since_frame.seconds[m].output = shared_seconds + surface_watch.seconds();
     rows.metrics += metrics_row(metrics, method, surface);
     rows.pieces += pieces_rows(metrics, method, surface);
-    rows.timings += timings_row(metrics.frame, metrics.time, method, since_frame.seconds[m]);
+    rows.timings += timings_row(metrics.frame, metrics.time, method, since_frame.seconds[m], memory);
     summary.methods[m].add_frame(method, surface, since_frame.seconds[m]);
   }
   folder_.finish_frame(metrics.time, rows);
   summary.add_frame(metrics, since_frame.tracer_seconds, shared_seconds);
 }
 
-SurfaceMetrics FrameWriter::write_surface(const FrameMetrics& frame, std::size_t m,
-                                          const SurfacesSinceFrame& since_frame) {
+SurfaceMetrics FrameWriter::write_surface(const FrameMetrics& frame, const TriangleMesh& isosurface,
+                                          std::size_t m, const SurfacesSinceFrame& since_frame) {
   const SurfaceTracker& tracker = surfaces_.trackers()[m];
   const TriangleMesh& mesh = tracker.mesh();
   const Field& field = surfaces_.field();
@@ -55,7 +57,8 @@ SurfaceMetrics FrameWriter::write_surface(const FrameMetrics& frame, std::size_t
     folder_.write_mesh(frame.frame, method, format,
                        mesh_text(format, {mesh.position, state.normal, texture, checker, mesh.triangles}));
 
-  SurfaceMetrics metrics = surface_metrics(field, frame, mesh, tracker.rings(), state, output_.report_axis);
+  SurfaceMetrics metrics =
+      surface_metrics(field, isosurface, mesh, tracker.rings(), state, output_.report_axis);
   metrics.residual_max = std::max(metrics.residual_max, since_frame.residual_max[m]);
   metrics.regions_replaced = since_frame.topology[m].replaced;
   metrics.regions_refused = since_frame.topology[m].refused;

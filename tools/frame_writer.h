@@ -26,15 +26,26 @@ class FrameWriter {
   void write(FrameMetrics metrics, const ParticleFrame& particles, SurfacesSinceFrame since_frame,
              const Stopwatch& watch, RunSummary& summary);
 
+  /// See core/saved_state.h.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(last_frame_);
+  }
+
  private:
   /// A mesh at an earlier time: ids below next_id, and how many vertices it had.
   struct Earlier {
     std::int64_t next_id = 0;
     std::size_t vertices = 0;
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+      archive(next_id, vertices);
+    }
   };
   static double kept_share(const TriangleMesh& mesh, const Earlier& earlier);
 
-  SurfaceMetrics write_surface(const FrameMetrics& frame, std::size_t m,
+  SurfaceMetrics write_surface(const FrameMetrics& frame, const TriangleMesh& isosurface, std::size_t m,
                                const SurfacesSinceFrame& since_frame);
 
   const OutputDescription& output_;

@@ -5,24 +5,29 @@
 namespace kappaflow {
 namespace {
 
-volatile std::sig_atomic_t interrupt_came = 0;
+volatile std::sig_atomic_t signal_that_came = 0;
+
+void remember(int signal) {
+  signal_that_came = signal;
+  std::signal(SIGINT, SIG_DFL);
+  std::signal(SIGTERM, SIG_DFL);
+}
 
 }  // namespace
 
 InterruptGuard::InterruptGuard() {
-  interrupt_came = 0;
-  previous_ = std::signal(SIGINT, [](int) {
-    interrupt_came = 1;
-    std::signal(SIGINT, SIG_DFL);
-  });
+  signal_that_came = 0;
+  previous_int_ = std::signal(SIGINT, remember);
+  previous_term_ = std::signal(SIGTERM, remember);
 }
 
 InterruptGuard::~InterruptGuard() {
-  std::signal(SIGINT, previous_);
+  std::signal(SIGINT, previous_int_);
+  std::signal(SIGTERM, previous_term_);
 }
 
-bool InterruptGuard::interrupted() const {
-  return interrupt_came != 0;
+int InterruptGuard::signal() const {
+  return signal_that_came;
 }
 
 }  // namespace kappaflow

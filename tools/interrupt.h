@@ -1,11 +1,14 @@
-// Ctrl-C: the work stops at the next good moment instead of at once.
+// Ctrl-C and the signal to end: the work stops at the next good moment instead of at once.
 #pragma once
 
 namespace kappaflow {
 
-inline constexpr int kExitInterrupted = 130;  ///< 128 + SIGINT, as shells have it
+/// As shells have it: 130 for SIGINT, 143 for SIGTERM.
+inline int exit_code_after(int signal) {
+  return 128 + signal;
+}
 
-/// Catches SIGINT for as long as it lives; a second one ends the program at once.
+/// Catches SIGINT and SIGTERM for as long as it lives; a second one ends the program at once.
 class InterruptGuard {
  public:
   InterruptGuard();
@@ -13,11 +16,13 @@ class InterruptGuard {
   InterruptGuard(const InterruptGuard&) = delete;
   InterruptGuard& operator=(const InterruptGuard&) = delete;
 
-  /// Whether SIGINT came since the guard was made.
-  bool interrupted() const;
+  /// The signal that came since the guard was made; 0: none.
+  int signal() const;
+  bool interrupted() const { return signal() != 0; }
 
  private:
-  void (*previous_)(int);
+  void (*previous_int_)(int);
+  void (*previous_term_)(int);
 };
 
 }  // namespace kappaflow

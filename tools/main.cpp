@@ -34,7 +34,10 @@ void reject_repeated(const std::string& option, const std::vector<std::string>& 
 
 CLI::App* add_run(CLI::App& app, CommandLine& line) {
   CLI::App* run = app.add_subcommand("run", "Simulate a scene and track its surface");
-  run->add_option("SCENE", line.run.scene, "Scene file (.toml)")->required();
+  CLI::Option* scene = run->add_option("SCENE", line.run.scene, "Scene file (.toml)");
+  CLI::Option* resume = run->add_option("--resume", line.run.resume,
+                                        "Go on with the interrupted run in this folder, with its options")
+                            ->type_name("DIR");
   run->add_option("--out", line.run.folder, "Folder for the results (default: out/<name of the scene>)");
   add_methods(*run, "--track", line.run.methods, "Velocity methods to track with (default: the scene's)");
   run->add_option("--duration", line.duration, "Simulated time in seconds (default: the scene's)")
@@ -44,8 +47,14 @@ CLI::App* add_run(CLI::App& app, CommandLine& line) {
   add_threads(*run, line.threads);
   run->add_flag("--force", line.run.force, "Replace the run that the folder already holds");
   run->add_flag("--quiet", line.run.quiet, "Print errors only");
+  for (const char* name : {"--out", "--track", "--duration", "--minimiser", "--format", "--force"})
+    resume->excludes(run->get_option(name));
+  run->callback([scene, resume] {
+    if (scene->empty() && resume->empty()) throw CLI::RequiredError("SCENE or --resume");
+  });
   run->footer(method_lines() + "\n" +
-              footer("kappaflow run scenes/staircase.toml --track total,curvature --threads 4"));
+              footer("kappaflow run scenes/staircase.toml --track total,curvature --threads 4\n"
+                     "  kappaflow run --resume out/staircase"));
   return run;
 }
 
@@ -57,9 +66,6 @@ std::string one_line(std::string text) {
 }
 
 int execute(const CLI::App& app, CommandLine& line, char** argv) {
-  if (line.threads == 0) line.threads = tbb::this_task_arena::max_concurrency();
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                  static_cast<std::size_t>(line.threads));
   if (app.got_subcommand("run")) {
     reject_repeated("--track", line.run.methods);
     line.run.threads = line.threads;
@@ -90,6 +96,14 @@ int execute(const CLI::App& app, CommandLine& line, char** argv) {
   return 0;
 }
 
+/// Also with more threads than there are cores.
+int execute_with_threads(const CLI::App& app, CommandLine& line, char** argv) {
+  if (line.threads == 0) line.threads = tbb::this_task_arena::max_concurrency();
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                  static_cast<std::size_t>(line.threads));
+  return tbb::task_arena(line.threads).execute([&] { return execute(app, line, argv); });
+}
+
 int parse_and_execute(int argc, char** argv) {
   CommandLine line;
   line.run.command.assign(argv, argv + argc);
@@ -112,7 +126,7 @@ int parse_and_execute(int argc, char** argv) {
     fmt::print(stderr, "kappaflow: error: {}; see {}\n", one_line(error.what()), help);
     return kExitUsage;
   }
-  return execute(app, line, argv);
+  return execute_with_threads(app, line, argv);
 }
 
 }  // namespace

@@ -44,12 +44,12 @@ Compression compression(std::span<const float> density, double rest_density) {
   return {parallel_sum(n, 0.0, of) / static_cast<double>(n), parallel_max(n, 0.0, of)};
 }
 
-void measure_isosurface(const Field& field, double sigma, FrameMetrics& metrics) {
-  TriangleMesh& mesh = metrics.isosurface_mesh;
-  mesh = extract_isosurface(field, kIsosurfaceSpacing * sigma);
+TriangleMesh measure_isosurface(const Field& field, double sigma, FrameMetrics& metrics) {
+  TriangleMesh mesh = extract_isosurface(field, kIsosurfaceSpacing * sigma);
   metrics.isosurface_volume = area_and_volume(mesh.position, mesh.triangles).volume;
   metrics.isosurface = mesh_topology(mesh.position, mesh.triangles);
   project_all(field, {}, mesh.position, mesh.unprojected);
+  return mesh;
 }
 
 double surface_residual(const Field& field, const TriangleMesh& mesh) {
@@ -61,7 +61,7 @@ double surface_residual(const Field& field, const TriangleMesh& mesh) {
   return parallel_max(mesh.vertex_count(), 0.0, residual);
 }
 
-SurfaceMetrics surface_metrics(const Field& field, const FrameMetrics& frame, const TriangleMesh& mesh,
+SurfaceMetrics surface_metrics(const Field& field, const TriangleMesh& isosurface, const TriangleMesh& mesh,
                                const VertexRings& rings, const SurfaceState& state, const Vec3& report_axis) {
   SurfaceMetrics metrics;
   metrics.vertices = mesh.vertex_count();
@@ -79,8 +79,8 @@ SurfaceMetrics surface_metrics(const Field& field, const FrameMetrics& frame, co
   metrics.self_intersections = self_intersections(mesh.position, mesh.triangles);
   metrics.texture = texture_jumps(mesh);
   const double sigma = field.length_scale();
-  metrics.surface_without_mesh = largest_distance(frame.isosurface_mesh, mesh) / sigma;
-  metrics.mesh_without_surface = largest_distance(mesh, frame.isosurface_mesh) / sigma;
+  metrics.surface_without_mesh = largest_distance(isosurface, mesh) / sigma;
+  metrics.mesh_without_surface = largest_distance(mesh, isosurface) / sigma;
   return metrics;
 }
 

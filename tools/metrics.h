@@ -25,7 +25,13 @@ struct FrameMetrics {
   std::optional<double> density_error_max;   ///< largest compression of a particle since then [1]
   double isosurface_volume = 0;              ///< of a fresh extraction at 0.25 sigma [m3]
   MeshTopology isosurface;                   ///< of the same
-  TriangleMesh isosurface_mesh;              ///< the same, its vertices projected on the surface
+
+  /// See core/saved_state.h.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(frame, time, particles, penetration_max, density_error_mean, density_error_max, isosurface_volume,
+            isosurface.components, isosurface.genus);
+  }
 };
 
 /// Numbers of one tracked surface.
@@ -56,6 +62,15 @@ struct SurfaceMetrics {
   /// Whether the mesh stands for the surface at all: every vertex on it, hardly a triangle folded over, the
   /// volume and the topology of a fresh isosurface.
   bool sound(const FrameMetrics& frame) const;
+
+  /// See core/saved_state.h; without `pieces`.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(vertices, triangles, residual_max, quality.min, quality.mean, size.area, size.volume, slip,
+            rotation_captured, tracer_distance, topology.components, topology.genus, kept_fraction,
+            unprojected, folded_fraction, angles_outside, self_intersections, texture.mean, texture.cracks,
+            kept_since_frame, regions_replaced, regions_refused, surface_without_mesh, mesh_without_surface);
+  }
 };
 
 inline constexpr double kSoundFolded = 1e-3;  ///< largest share of folded triangles of a sound mesh
@@ -70,16 +85,17 @@ struct Compression {
 };
 Compression compression(std::span<const float> density, double rest_density);
 
-/// Fills the isosurface_* members from an extraction at 0.25 sigma [m].
-void measure_isosurface(const Field& field, double sigma, FrameMetrics& metrics);
+/// Fills the isosurface_* members from an extraction at 0.25 sigma [m], and returns it, its vertices
+/// projected on the surface.
+TriangleMesh measure_isosurface(const Field& field, double sigma, FrameMetrics& metrics);
 
 /// max |f| / (|g| L) over the projected vertices: their distance from f = 0 in units of L =
 /// Field::length_scale().
 double surface_residual(const Field& field, const TriangleMesh& mesh);
 
 /// Everything that mesh and state say; tracer_distance, kept_fraction, kept_since_frame and
-/// regions_* are the caller's.
-SurfaceMetrics surface_metrics(const Field& field, const FrameMetrics& frame, const TriangleMesh& mesh,
+/// regions_* are the caller's. isosurface: what measure_isosurface() returns.
+SurfaceMetrics surface_metrics(const Field& field, const TriangleMesh& isosurface, const TriangleMesh& mesh,
                                const VertexRings& rings, const SurfaceState& state, const Vec3& report_axis);
 
 /// One line each, with the line's end; numbers to 12 digits, empty where there is no value.

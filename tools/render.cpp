@@ -188,7 +188,7 @@ int draw_all(const RenderOptions& options, const fs::path& film, Drawing& drawin
     times.push_back(drawing.draw(film_picture(pictures, frame), frame));
   }
   draw_status_line("");
-  if (guard.interrupted()) return kExitInterrupted;
+  if (guard.interrupted()) return exit_code_after(guard.signal());
   remove_pictures_from(pictures, drawing.frames());
   const double rate = options.frames_per_second.value_or(real_time_rate(times));
   make_film(film, pictures, drawing.frames(), rate);

@@ -14,7 +14,8 @@
 namespace kappaflow {
 
 struct RunOptions {
-  std::filesystem::path scene;
+  std::filesystem::path scene;         ///< empty where a run is resumed: the copy in its folder
+  std::filesystem::path resume;        ///< folder of an interrupted run to go on with; empty: a new run
   std::filesystem::path folder;        ///< empty: out/<name of the scene file>
   std::vector<std::string> methods;    ///< empty: those of the scene
   std::optional<double> duration;      ///< instead of the scene's [s]
@@ -25,12 +26,26 @@ struct RunOptions {
   bool force = false;                ///< replace a run that the folder already holds
   bool quiet = false;                ///< no progress, no summary
   std::vector<std::string> command;  ///< the command line, for run.json
+
+  /// See core/saved_state.h: what a resumed run takes over.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    std::string file = scene.string();
+    archive(file, methods, duration, minimiser, keep_connectivity, formats);
+    scene = file;
+  }
 };
 
-/// Runs a scene and writes its folder; an interrupt (SIGINT) ends it after the current step.
+/// Runs a scene and writes its folder, or goes on with a run as if it had never stopped: all files but
+/// run.json and timings.csv are the same bits. After every OutputDescription::checkpoint_interval frames, and
+/// when SIGINT or SIGTERM ends the run after the current step, it writes a checkpoint to go on from. The
+/// summary of a run that is complete already has a text, and nothing else.
+///
+/// Throws InvalidInput for a scene that is not the one that the run began with. Where a simulation fails, its
+/// particles are written for inspection.
 RunSummary run_scene(const RunOptions& options);
 
-/// The same, saying what became of it. Returns the exit code: 0, or 130 after an interrupt.
+/// The same, saying what became of it. Returns the exit code: 0, or 130 or 143 after a signal.
 int run(const RunOptions& options);
 
 }  // namespace kappaflow

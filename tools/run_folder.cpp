@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 #include "core/errors.h"
+#include "tools/checkpoint.h"
 #include "tools/data_files.h"
 #include "tools/files.h"
 #include "tools/metrics.h"
@@ -19,6 +21,8 @@ namespace fs = std::filesystem;
 constexpr const char* kMetricsFile = "metrics.csv";
 constexpr const char* kPiecesFile = "pieces.csv";
 constexpr const char* kTimingsFile = "timings.csv";
+constexpr std::array kTables{kMetricsFile, kPiecesFile, kTimingsFile};
+constexpr std::array kOtherFiles{kRecordFile, kSceneFile, kCheckpointFile, kBoundaryFile, kFailureFile};
 
 bool is_surface_name(const std::string& name) {
   return name.starts_with("surface-");
@@ -31,9 +35,7 @@ bool is_data_folder(const fs::directory_entry& entry) {
 
 bool is_run_file(const fs::directory_entry& entry) {
   const std::string name = entry.path().filename().string();
-  if (name == kRecordFile || name == kMetricsFile || name == kPiecesFile || name == kTimingsFile ||
-      name == kBoundaryFile)
-    return true;
+  if (std::ranges::count(kTables, name) > 0 || std::ranges::count(kOtherFiles, name) > 0) return true;
   return entry.path().extension() == ".pvd" &&
          (name == "run.pvd" || name == "particles.pvd" || name == "boundary.pvd" || is_surface_name(name));
 }
@@ -66,7 +68,8 @@ void make_room(const fs::path& folder, bool force) {
     if (!fs::exists(folder / kRecordFile)) return;
     if (!force)
       throw InvalidInput(fmt::format(
-          "{} already holds a run; --force replaces it, --out DIR writes elsewhere", folder.string()));
+          "{} already holds a run; {}--force replaces it, --out DIR writes elsewhere", folder.string(),
+          fs::exists(folder / kCheckpointFile) ? "kappaflow run --resume goes on with it, " : ""));
     remove_run(folder);
   } catch (const fs::filesystem_error& error) {
     throw IoError(folder.string(), error.code().message());
@@ -97,49 +100,92 @@ RunFolder::RunFolder(fs::path folder, std::vector<std::string> methods, bool for
   make_room(folder_, force);
   make_folder(folder_ / "particles");
   for (const std::string& method : methods_) make_folder(folder_ / ("surface-" + method));
-  write_file(folder_ / kMetricsFile, metrics_header());
-  write_file(folder_ / kPiecesFile, pieces_header());
-  write_file(folder_ / kTimingsFile, timings_header());
+  const std::array headers{metrics_header(), pieces_header(), timings_header()};
+  for (std::size_t t = 0; t < kTables.size(); ++t) write_text(kTables[t], headers[t]);
+}
+
+RunFolder::RunFolder(fs::path folder) : folder_(std::move(folder)), lock_(folder_) {}
+
+void RunFolder::write_data(const std::string& name, vtkPolyData& data) {
+  write_vtp(folder_ / name, data);
+  written_.insert(folder_ / name);
+}
+
+void RunFolder::write_text(const std::string& name, const std::string& text) {
+  write_file(folder_ / name, text);
+  written_.insert(folder_ / name);
 }
 
 void RunFolder::write_record(const std::string& json) {
-  write_file(folder_ / kRecordFile, json);
+  write_text(kRecordFile, json);
+}
+
+void RunFolder::write_scene(const std::string& text) {
+  write_text(kSceneFile, text);
 }
 
 void RunFolder::write_boundary(vtkPolyData& data) {
-  write_vtp(folder_ / kBoundaryFile, data);
+  write_data(kBoundaryFile, data);
   has_boundary_ = true;
 }
 
 void RunFolder::write_boundary(int frame, vtkPolyData& data) {
   if (!boundary_moves_) make_folder(folder_ / "boundary");
   has_boundary_ = boundary_moves_ = true;
-  write_vtp(folder_ / boundary_file(frame), data);
+  write_data(boundary_file(frame), data);
 }
 
 void RunFolder::write_particles(int frame, vtkPolyData& data) {
-  write_vtp(folder_ / particle_file(frame), data);
+  write_data(particle_file(frame), data);
 }
 
 void RunFolder::write_surface(int frame, const std::string& method, vtkPolyData& data) {
-  write_vtp(folder_ / surface_file(method, frame), data);
+  write_data(surface_file(method, frame), data);
 }
 
 void RunFolder::write_mesh(int frame, const std::string& method, MeshFormat format,
                            const std::string& bytes) {
-  fs::path file = folder_ / surface_file(method, frame);
-  write_file(file.replace_extension(name_of(kMeshFormats, format)), bytes);
+  fs::path name = surface_file(method, frame);
+  write_text(name.replace_extension(name_of(kMeshFormats, format)).string(), bytes);
 }
 
 void RunFolder::finish_frame(double time, const FrameRows& rows) {
   times_.push_back(time);
   write_collections();
-  append_lines(folder_ / kMetricsFile, rows.metrics);
-  append_lines(folder_ / kPiecesFile, rows.pieces);
-  append_lines(folder_ / kTimingsFile, rows.timings);
+  const std::array lines{rows.metrics, rows.pieces, rows.timings};
+  for (std::size_t t = 0; t < kTables.size(); ++t) {
+    append_lines(folder_ / kTables[t], lines[t]);
+    written_.insert(folder_ / kTables[t]);
+  }
 }
 
-void RunFolder::write_collections() const {
+void RunFolder::flush() {
+  std::set<fs::path> folders;
+  for (const fs::path& file : written_) {
+    flush_to_disk(file);
+    folders.insert(file.parent_path());
+  }
+  for (const fs::path& folder : folders) flush_to_disk(folder);
+  written_.clear();
+}
+
+void RunFolder::write_checkpoint(std::string_view state) {
+  flush();
+  kappaflow::write_checkpoint(folder_ / kCheckpointFile, state);
+}
+
+std::array<std::uint64_t, 3> RunFolder::sizes_of_tables() const {
+  std::array<std::uint64_t, 3> sizes;
+  std::ranges::transform(kTables, sizes.begin(),
+                         [&](const char* table) { return size_of_file(folder_ / table); });
+  return sizes;
+}
+
+void RunFolder::cut_tables(const std::array<std::uint64_t, 3>& sizes) const {
+  for (std::size_t t = 0; t < kTables.size(); ++t) cut_file(folder_ / kTables[t], sizes[t]);
+}
+
+void RunFolder::write_collections() {
   // A collection for all parts, and one for each of them.
   std::vector<PvdEntry> all;
   std::vector<std::vector<PvdEntry>> series(1 + methods_.size() + (boundary_moves_ ? 1 : 0));
@@ -156,8 +202,8 @@ void RunFolder::write_collections() const {
     if (has_boundary_) add("boundary", boundary_moves_ ? boundary_file(number) : kBoundaryFile);
   }
   for (std::size_t s = 0; s < series.size(); ++s)
-    write_file(folder_ / (series[s].front().name + ".pvd"), pvd_text(series[s]));
-  write_file(folder_ / "run.pvd", pvd_text(all));
+    write_text(series[s].front().name + ".pvd", pvd_text(series[s]));
+  write_text("run.pvd", pvd_text(all));
 }
 
 }  // namespace kappaflow

@@ -3,8 +3,12 @@
 
 #include <vtkPolyData.h>
 
+#include <array>
+#include <cstdint>
 #include <filesystem>
+#include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tools/folder_lock.h"
@@ -18,7 +22,7 @@ struct FrameRows {
 };
 
 /// A run folder:
-///   run.json  metrics.csv  pieces.csv  timings.csv  run.pvd
+///   run.json  run.toml  checkpoint.bin  metrics.csv  pieces.csv  timings.csv  run.pvd
 ///   boundary.vtp, or where walls move boundary.pvd  boundary/boundary_0000.vtp ...
 ///   particles.pvd  particles/particles_0000.vtp ...
 ///   surface-<method>.pvd  surface-<method>/surface_0000.vtp ... (and .obj, .ply, .glb where these are asked
@@ -30,10 +34,15 @@ class RunFolder {
   /// and `force` is not set (with it, the old run's files are removed, and nothing else) or another run is
   /// writing into it, IoError when the folder cannot be written.
   RunFolder(std::filesystem::path folder, std::vector<std::string> methods, bool force);
+  /// Opens the folder of a run that was interrupted; what else there is to know, serialize() reads. Throws
+  /// InvalidInput when another run is writing into it, IoError when there is no such folder.
+  explicit RunFolder(std::filesystem::path folder);
 
   const std::filesystem::path& path() const { return folder_; }
 
   void write_record(const std::string& json);
+  /// A copy of the scene, for resuming the run.
+  void write_scene(const std::string& text);
   /// Of all frames.
   void write_boundary(vtkPolyData& data);
   /// Of one frame of moving walls; for every frame or none.
@@ -44,15 +53,33 @@ class RunFolder {
   void write_mesh(int frame, const std::string& method, MeshFormat format, const std::string& bytes);
   /// Lists the frame's files at `time` [s] in the .pvd files and appends its rows to the tables.
   void finish_frame(double time, const FrameRows& rows);
+  /// Returns when everything that was written is on the disk, where a power cut leaves it.
+  void flush();
+  /// The same, and then the checkpoint too.
+  void write_checkpoint(std::string_view state);
+
+  /// See core/saved_state.h. Reading cuts the tables back to the rows that they had.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    std::array<std::uint64_t, 3> table_sizes{};
+    if constexpr (Archive::is_saving::value) table_sizes = sizes_of_tables();
+    archive(methods_, times_, has_boundary_, boundary_moves_, table_sizes);
+    if constexpr (Archive::is_loading::value) cut_tables(table_sizes);
+  }
 
  private:
-  void write_collections() const;
+  void write_data(const std::string& name, vtkPolyData& data);
+  void write_text(const std::string& name, const std::string& text);
+  void write_collections();
+  std::array<std::uint64_t, 3> sizes_of_tables() const;
+  void cut_tables(const std::array<std::uint64_t, 3>& sizes) const;
 
   std::filesystem::path folder_;
   FolderLock lock_;
   std::vector<std::string> methods_;
   std::vector<double> times_;  // of the finished frames [s]
   bool has_boundary_ = false, boundary_moves_ = false;
+  std::set<std::filesystem::path> written_;  // since the last flush
 };
 
 /// The file of a frame relative to the run folder.
@@ -61,5 +88,8 @@ std::string surface_file(const std::string& method, int frame);
 std::string boundary_file(int frame);
 inline constexpr const char* kBoundaryFile = "boundary.vtp";  ///< of walls at rest
 inline constexpr const char* kRecordFile = "run.json";
+inline constexpr const char* kSceneFile = "run.toml";  ///< a copy of the scene
+inline constexpr const char* kCheckpointFile = "checkpoint.bin";
+inline constexpr const char* kFailureFile = "failure.vtp";  ///< the particles when a simulation failed
 
 }  // namespace kappaflow

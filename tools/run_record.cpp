@@ -7,8 +7,11 @@
 #include <vtk_jsoncpp.h>
 
 #include <Eigen/Core>
+#include <sstream>
+#include <variant>
 
 #include "core/version.h"
+#include "tools/files.h"
 
 namespace kappaflow {
 namespace {
@@ -17,6 +20,10 @@ Json::Value list(const std::vector<std::string>& words) {
   Json::Value array(Json::arrayValue);
   for (const std::string& word : words) array.append(word);
   return array;
+}
+
+std::string now() {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::now()));
 }
 
 Json::Value minimiser_record(Minimiser minimiser) {
@@ -54,7 +61,7 @@ Json::Value common_record(const std::vector<std::string>& command, int threads,
   Json::Value record;
   record["version"] = kVersion;
   record["build"] = build_description();
-  record["started"] = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::now()));
+  record["started"] = now();
   record["command"] = list(command);
   record["seed"] = Json::Value();  // null: nothing in a run is random
   record["threads"] = threads;
@@ -81,6 +88,16 @@ std::string text_hash(std::string_view text) {
   return fmt::format("fnv1a64:{:016x}", hash);
 }
 
+std::string scene_hash(const Scene& scene) {
+  std::string text = scene.text;
+  const auto append_mesh = [&](const auto& shape) {
+    if (const auto* mesh = std::get_if<MeshShape>(&shape)) text += read_file(mesh->file);
+  };
+  for (const FluidBlock& block : scene.blocks) append_mesh(block.shape);
+  for (const Wall& wall : scene.walls) append_mesh(wall.shape);
+  return text_hash(text);
+}
+
 std::string build_description() {
   return fmt::format("compiler {} {}, {} build\nVTK {}, Eigen {}.{}.{}, oneTBB {}.{}\n",
 #ifdef __clang__
@@ -103,6 +120,20 @@ std::string run_record(const RunOptions& options, const Scene& scene, const Simu
   record["view"]["from"] = list(scene.output.view.from);
   record["view"]["up"] = list(scene.output.view.up);
   return record_text(record);
+}
+
+std::string resumed_record(const std::string& record, const RunOptions& options, double time) {
+  Json::Value root;
+  std::istringstream(record) >> root;
+  Json::Value resumed;
+  resumed["version"] = kVersion;
+  resumed["build"] = build_description();
+  resumed["started"] = now();
+  resumed["command"] = list(options.command);
+  resumed["threads"] = options.threads;
+  resumed["time"] = time;
+  root["resumed"].append(resumed);
+  return record_text(root);
 }
 
 std::string track_record(const TrackOptions& options, const ParticleSequence& sequence,

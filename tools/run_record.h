@@ -15,12 +15,17 @@ namespace kappaflow {
 /// that were derived from the scene (threshold, sigma, frame count).
 std::string run_record(const RunOptions& options, const Scene& scene, const Simulation& simulation);
 
+/// The record of a run, which says further that it was resumed at `time` [s], and how.
+std::string resumed_record(const std::string& record, const RunOptions& options, double time);
+
 /// The same of tracked particles: the files, what is known about them, and the numbers that were derived.
 std::string track_record(const TrackOptions& options, const ParticleSequence& sequence,
                          const SurfaceDescription& surface, const ParticleFieldOptions& field);
 
 /// "fnv1a64:" and 16 hex digits: the 64-bit FNV-1a hash of a text, to recognise a scene, not to protect it.
 std::string text_hash(std::string_view text);
+/// The same of the scene's text and the mesh files that it names.
+std::string scene_hash(const Scene& scene);
 
 /// Compiler, build type and library versions, one a line.
 std::string build_description();

@@ -41,21 +41,16 @@ Simulation::Simulation(const Scene& scene)
       stride_(scene.surface.stride) {}
 
 bool Simulation::advance(double time, const Watch& watch) {
-  int untracked = 0;
   while (time - fluid_.time() > kTimeTolerance) {
     const Stopwatch watch_solver;
     const FluidStep step = fluid_.step(time - fluid_.time());
     since_frame_.solver_seconds += watch_solver.seconds();
     since_frame_.density_error_mean = std::max(since_frame_.density_error_mean, step.density_error_mean);
     since_frame_.density_error_max = std::max(since_frame_.density_error_max, step.density_error_max);
-    ++steps_;
-    if (++untracked == stride_) {
-      step_surfaces();
-      untracked = 0;
-    }
-    if (!watch(step)) return false;
+    if (++untracked_ == stride_) step_surfaces();
+    if (!watch(step) && time - fluid_.time() > kTimeTolerance) return false;
   }
-  if (untracked > 0) step_surfaces();
+  if (untracked_ > 0) step_surfaces();
   return true;
 }
 
@@ -64,6 +59,7 @@ void Simulation::step_surfaces() {
   ParticleMotion motion(particles_, now, surfaces_.field_options());
   surfaces_.step(motion);
   particles_ = std::move(now);
+  untracked_ = 0;
 }
 
 SinceFrame Simulation::take_since_frame() {

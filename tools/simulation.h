@@ -14,6 +14,12 @@ struct SinceFrame {
   double density_error_mean = 0, density_error_max = 0;  ///< the largest of FluidStep's
   double solver_seconds = 0;                             ///< wall time of the liquid
   SurfacesSinceFrame surfaces;                           ///< their seconds with those of the liquid
+
+  /// See core/saved_state.h.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(density_error_mean, density_error_max, solver_seconds, surfaces);
+  }
 };
 
 /// Steps the liquid, and after every `stride` solver steps its surfaces.
@@ -25,8 +31,8 @@ class Simulation {
   /// Called after every solver step; returns whether to go on.
   using Watch = std::function<bool(const FluidStep&)>;
 
-  /// Advances liquid and surfaces to `time` [s]. Returns false when `watch` stopped it; the surfaces then lag
-  /// behind.
+  /// Advances liquid and surfaces to `time` [s]. Returns false when `watch` stopped it on the way; the
+  /// surfaces may then lag behind, and another call with the same time goes on as if it had not been.
   bool advance(double time, const Watch& watch);
 
   const FluidSolver& fluid() const { return fluid_; }
@@ -35,10 +41,15 @@ class Simulation {
   const Field& field() const { return surfaces_.field(); }
   const std::vector<SurfaceTracker>& trackers() const { return surfaces_.trackers(); }
   const std::vector<TriangleSurface>& walls() const { return walls_; }
-  std::size_t steps() const { return steps_; }
 
   /// Hands out what happened since the last call, and starts anew.
   SinceFrame take_since_frame();
+
+  /// See core/saved_state.h; for a simulation of the same scene.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(fluid_, particles_, surfaces_, untracked_, since_frame_);
+  }
 
  private:
   void step_surfaces();
@@ -48,7 +59,7 @@ class Simulation {
   Particles particles_;
   TrackedSurfaces surfaces_;
   int stride_;
-  std::size_t steps_ = 0;
+  int untracked_ = 0;       // solver steps that the surfaces have not taken yet
   SinceFrame since_frame_;  // but for the surfaces
 };
 

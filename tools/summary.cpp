@@ -64,6 +64,7 @@ void MethodSummary::add_frame(const std::string& method, const SurfaceMetrics& m
                               const PhaseSeconds& frame_seconds) {
   name = method;
   frames.push_back(metrics);
+  frames.back().pieces = {};
   seconds.solver += frame_seconds.solver;
   seconds.velocity += frame_seconds.velocity;
   seconds.fairing += frame_seconds.fairing;

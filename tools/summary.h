@@ -16,10 +16,16 @@ namespace kappaflow {
 /// One method over the whole run.
 struct MethodSummary {
   std::string name;
-  std::vector<SurfaceMetrics> frames;
-  PhaseSeconds seconds;  ///< summed over the frames
+  std::vector<SurfaceMetrics> frames;  ///< without their `pieces`, of which there may be many
+  PhaseSeconds seconds;                ///< summed over the frames
 
   double residual_max() const;  ///< largest of all frames [sigma]
+
+  /// See core/saved_state.h.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(name, frames, seconds);
+  }
 
   void add_frame(const std::string& method, const SurfaceMetrics& metrics, const PhaseSeconds& frame_seconds);
 };
@@ -32,11 +38,18 @@ struct RunSummary {
   std::size_t steps = 0;                                                         ///< in time
   double setup_seconds = 0, tracer_seconds = 0, shared_output_seconds = 0;
   double wall_seconds = 0;
-  bool interrupted = false;   ///< by SIGINT
+  int interrupted_by = 0;     ///< the signal; 0: none
   double interrupted_at = 0;  ///< [s] of simulated time
   std::string text;           ///< see summary_text()
 
   void add_frame(const FrameMetrics& metrics, double tracers, double shared_output);
+
+  /// See core/saved_state.h.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(methods, frames, penetration_max, density_error_mean, density_error_max, setup_seconds,
+            tracer_seconds, shared_output_seconds, wall_seconds);
+  }
 };
 
 /// The upper median of the values that there are; nullopt where there are none. Rotation captured is a ratio,

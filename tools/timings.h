@@ -16,10 +16,20 @@ struct PhaseSeconds {
   double topology = 0;  ///< changes of the mesh's topology
   double remesh = 0;    ///< edits of the mesh
   double output = 0;    ///< metrics and files
+
+  /// See core/saved_state.h.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(solver, velocity, fairing, topology, remesh, output);
+  }
 };
 
-/// One line each, with the line's end; milliseconds.
+/// The physical memory that the program holds [MiB].
+double resident_memory();
+
+/// One line each, with the line's end; times in milliseconds, memory in MiB.
 std::string timings_header();
-std::string timings_row(int frame, double time, const std::string& method, const PhaseSeconds& seconds);
+std::string timings_row(int frame, double time, const std::string& method, const PhaseSeconds& seconds,
+                        double memory);
 
 }  // namespace kappaflow

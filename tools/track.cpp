@@ -129,8 +129,8 @@ bool advance(TrackedSurfaces& surfaces, ParticleMotion& motion, int steps, const
   return true;
 }
 
-void write_frame(FrameWriter& writer, int number, const SequenceFrame& frame, TrackedSurfaces& surfaces,
-                 RunSummary& summary) {
+void write_frame(FrameWriter& writer, RunFolder& folder, int number, const SequenceFrame& frame,
+                 TrackedSurfaces& surfaces, RunSummary& summary) {
   const Stopwatch watch;
   const ParticleFieldOptions& field = surfaces.field_options();
   const std::vector<double> weight = field_weights(frame.particles.position, field.sigma, field.weights);
@@ -139,6 +139,7 @@ void write_frame(FrameWriter& writer, int number, const SequenceFrame& frame, Tr
   metrics.time = frame.particles.time;
   writer.write(metrics, {frame.particles, frame.density, frame.pressure, weight, field.sigma},
                surfaces.take_since_frame(), watch, summary);
+  folder.flush();
 }
 
 RunSummary track_sequence(const TrackOptions& options, ParticleSequence& sequence, const TrackSetup& setup,
@@ -159,7 +160,7 @@ RunSummary track_sequence(const TrackOptions& options, ParticleSequence& sequenc
   output.checker_size = kCheckerSize;
   FrameWriter writer(output, surfaces, options.formats, folder);
   RunSummary summary;
-  write_frame(writer, 0, now, surfaces, summary);
+  write_frame(writer, folder, 0, now, surfaces, summary);
   const int last = static_cast<int>(sequence.size()) - 1;
   Progress progress(sequence.time(0), sequence.time(last), last, !options.quiet);
   for (int k = 1; k <= last && !guard.interrupted(); ++k) {
@@ -176,9 +177,9 @@ RunSummary track_sequence(const TrackOptions& options, ParticleSequence& sequenc
       return !guard.interrupted();
     });
     now = std::move(next);
-    if (arrived) write_frame(writer, k, now, surfaces, summary);
+    if (arrived) write_frame(writer, folder, k, now, surfaces, summary);
   }
-  summary.interrupted = guard.interrupted();
+  summary.interrupted_by = guard.signal();
   return summary;
 }
 
@@ -207,10 +208,10 @@ int track(const TrackOptions& options) {
   summary.wall_seconds = watch.seconds();
   if (!options.quiet)
     fmt::print("{}", summary_text(summary, sequence.name(), setup.field, folder_for(options, sequence)));
-  if (!summary.interrupted) return 0;
+  if (summary.interrupted_by == 0) return 0;
   fmt::print(stderr, "kappaflow: interrupted at t = {:.6g} s; {} frames are complete\n",
              summary.interrupted_at, summary.frames.size());
-  return kExitInterrupted;
+  return exit_code_after(summary.interrupted_by);
 }
 
 }  // namespace kappaflow

@@ -38,7 +38,7 @@ inline constexpr double kLargestCloudMotion = 0.1;
 double surface_motion(const Field& before, const Field& after, double sigma);
 
 /// Tracks a sequence and writes a run folder. The files are all read and checked before anything is written;
-/// an interrupt (SIGINT) ends it after the current step. Returns the exit code: 0, or 130 after an interrupt.
+/// SIGINT and SIGTERM end it after the current step. Returns the exit code: 0, or 130 or 143 after a signal.
 int track(const TrackOptions& options);
 
 }  // namespace kappaflow

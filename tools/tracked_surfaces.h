@@ -19,6 +19,12 @@ struct SurfacesSinceFrame {
   std::vector<TopologyCounts> topology;  ///< the sum of TrackerStep's, one entry a method
   std::vector<PhaseSeconds> seconds;     ///< one entry a method
   double tracer_seconds = 0;             ///< wall time of the material tracers
+
+  /// See core/saved_state.h.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(residual_max, topology, seconds, tracer_seconds);
+  }
 };
 
 /// The field that a description asks for. spacing: of the particles [m]; liquid: what a threshold that is not
@@ -44,6 +50,15 @@ class TrackedSurfaces {
 
   /// Hands out what happened since the last call, and starts anew.
   SurfacesSinceFrame take_since_frame();
+
+  /// See core/saved_state.h; for surfaces that were made with the same arguments. field() is not saved: there
+  /// is none until the next step.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    for (SurfaceTracker& tracker : trackers_) archive(tracker);
+    archive(tracers_, since_frame_);
+    if constexpr (Archive::is_loading::value) field_ = nullptr;
+  }
 
  private:
   ParticleFieldOptions options_;

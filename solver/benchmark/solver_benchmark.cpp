@@ -115,7 +115,7 @@ void viscosity_iteration(benchmark::State& state) {
   measure(state, [&] {
     p.particles.velocity = velocity;
     p.particles.viscous_change = change;
-    return solver.solve(p.particles, p.lists, p.wall_sums, kTimeStep);
+    return solver.solve(p.particles, p.lists, p.wall_sums, kTimeStep).iterations;
   });
 }
 

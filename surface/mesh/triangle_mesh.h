@@ -23,6 +23,12 @@ struct TriangleMesh {
   std::vector<Triangle> triangles;
 
   std::size_t vertex_count() const { return position.size(); }
+
+  /// See core/saved_state.h.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(position, rest_position, unprojected, id, next_id, triangles);
+  }
 };
 
 /// A mesh at rest: rest_position = position, all vertices projected, ids from 0.

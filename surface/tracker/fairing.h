@@ -35,6 +35,12 @@ struct FairingState {
   std::vector<Vec3> gradient;        ///< grad f at the vertices after the last projection
   std::vector<Vec3> moved_position;  ///< the vertices of an iteration in the making
   std::vector<double> renewed;       ///< rest lengths in the making
+
+  /// See core/saved_state.h; for the fairing_state() of the same mesh.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(rest_length);  // the rest follows from the next step
+  }
 };
 
 /// Rest lengths = the current edge lengths, all vertices mobile. Precondition: a closed oriented mesh.

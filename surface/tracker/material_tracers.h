@@ -25,6 +25,12 @@ class MaterialTracers {
   std::span<const char> lost() const { return lost_; }  ///< 1 where the tracer is lost
   std::size_t lost_count() const;
 
+  /// See core/saved_state.h.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(position_, lost_);
+  }
+
  private:
   std::vector<Vec3> position_;
   std::vector<char> lost_;

@@ -9,12 +9,15 @@
 namespace kappaflow {
 
 SurfaceTracker::SurfaceTracker(TriangleMesh initial_mesh, const TrackerOptions& options)
-    : options_(options),
-      method_(velocity_method(options.method)),
-      mesh_(std::move(initial_mesh)),
-      rings_(vertex_rings(mesh_.vertex_count(), mesh_.triangles)),
-      fairing_(fairing_state(mesh_, rings_)),
-      area_(mesh_.vertex_count()) {}
+    : options_(options), method_(velocity_method(options.method)), mesh_(std::move(initial_mesh)) {
+  start_from_mesh();
+}
+
+void SurfaceTracker::start_from_mesh() {
+  vertex_rings(mesh_.vertex_count(), mesh_.triangles, rings_);
+  fairing_ = fairing_state(mesh_, rings_);
+  area_.resize(mesh_.vertex_count());
+}
 
 TrackerStep SurfaceTracker::step(FieldMotion& motion) {
   TrackerStep report;

@@ -55,7 +55,16 @@ class SurfaceTracker {
   const VelocityMethod& method() const { return method_; }
   const TrackerOptions& options() const { return options_; }
 
+  /// See core/saved_state.h; for a tracker that was made with the same options, on any mesh.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(mesh_);
+    if constexpr (Archive::is_loading::value) start_from_mesh();
+    archive(fairing_, topology_change_);
+  }
+
  private:
+  void start_from_mesh();
   void advect(FieldMotion& motion);
   double project(const Field& field);
   TopologyCounts change_topology(const Field& field);

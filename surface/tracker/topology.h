@@ -32,6 +32,12 @@ struct TopologyCounts {
     vertices_born += other.vertices_born;
     return *this;
   }
+
+  /// See core/saved_state.h.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(replaced, refused, triangles_removed, vertices_born);
+  }
 };
 
 /// Local replacement of the mesh by the isosurface, after Wojtan, Thuerey, Gross, Turk, "Deforming meshes
@@ -58,6 +64,12 @@ class TopologyChange {
 
   /// What became of the vertices in the last change().
   const VertexHistory& history() const { return history_; }
+
+  /// See core/saved_state.h.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(steps_to_lattice_);
+  }
 
  private:
   VertexHistory history_;

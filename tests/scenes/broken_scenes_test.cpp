@@ -212,6 +212,7 @@ TEST(GoodScenes, EverySurfaceAndOutputKeyArrives) {
   EXPECT_TRUE(scene.output.report_axis.isApprox(Vec3(0, 0.6, 0.8), 1e-15));
   EXPECT_EQ(scene.output.checker_size, 3);
   EXPECT_EQ(scene.output.texture, TextureProjection::spherical);
+  EXPECT_EQ(scene.output.checkpoint_interval, 10);
   EXPECT_EQ(scene.output.view.from, Vec3(0, -3, 1));
   EXPECT_EQ(scene.output.view.up, Vec3(0, 0, 1));
 }

@@ -81,7 +81,7 @@ TEST(Viscosity, SolvesTheSystemAsADenseSolver) {
   ViscositySolver solver(options(1, 1e-5));
   const Eigen::VectorXd expected =
       dense_system(liquid, solver).ldlt().solve(stacked(liquid.particles.velocity));
-  const int iterations = solver.solve(liquid.particles, liquid.lists, liquid.wall_sums, kTimeStep);
+  const int iterations = solver.solve(liquid.particles, liquid.lists, liquid.wall_sums, kTimeStep).iterations;
   EXPECT_GT(iterations, 3);
   EXPECT_LT((stacked(liquid.particles.velocity) - expected).norm(), 1e-4 * expected.norm());
 }

@@ -37,7 +37,11 @@ TEST_F(CommandLine, MistakesAreOneLineAndExitCodeTwo) {
   const std::vector<Mistake> mistakes{
       {{}, 2, "kappaflow --help"},
       {{"frobnicate"}, 2, "kappaflow --help"},
-      {{"run"}, 2, "SCENE is required; see kappaflow run --help"},
+      {{"run"}, 2, "SCENE or --resume is required; see kappaflow run --help"},
+      {{"run", "--resume"}, 2, "--resume: 1 required DIR missing"},
+      {{"run", "--resume", "out", "--track", "total"}, 2, "--resume excludes --track"},
+      {{"run", "--resume", "no/such/folder"}, 5, "no/such/folder: No such file or directory"},
+      {{"run", "--resume", KAPPAFLOW_SOURCE_DIR}, 5, "checkpoint.bin: cannot be read"},
       {{"run", kSmallScene, "--threads", "0"},
        2,
        "--threads: found \"0\"; expected a whole number from 1 to 1024"},

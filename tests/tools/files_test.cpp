@@ -1,10 +1,7 @@
 #include "tools/files.h"
 
-#include <sys/resource.h>
-
-#include <csignal>
-
 #include "core/errors.h"
+#include "tests/tools/full_disk.h"
 #include "tests/tools/scratch.h"
 
 namespace kappaflow {
@@ -13,28 +10,6 @@ namespace {
 namespace fs = std::filesystem;
 
 class Files : public Scratch {};
-
-/// While it lives, no file may grow beyond `bytes`: writing fails as it does on a full disk.
-class FullDisk {
- public:
-  explicit FullDisk(rlim_t bytes) {
-    getrlimit(RLIMIT_FSIZE, &previous_);
-    rlimit limit = previous_;
-    limit.rlim_cur = bytes;
-    setrlimit(RLIMIT_FSIZE, &limit);
-    previous_handler_ = std::signal(SIGXFSZ, SIG_IGN);
-  }
-  ~FullDisk() {
-    setrlimit(RLIMIT_FSIZE, &previous_);
-    std::signal(SIGXFSZ, previous_handler_);
-  }
-  FullDisk(const FullDisk&) = delete;
-  FullDisk& operator=(const FullDisk&) = delete;
-
- private:
-  rlimit previous_;
-  void (*previous_handler_)(int);
-};
 
 TEST_F(Files, WriteReplacesAndLeavesNothingElse) {
   write_file(folder / "a", "first, and longer");
@@ -51,7 +26,8 @@ TEST_F(Files, FailedWriteKeepsTheOldFile) {
     const FullDisk full(4096);
     message = message_of<IoError>([&] { write_file(folder / "a", large); });
   }
-  EXPECT_NE(message.find((folder / "a").string() + ": cannot be written ("), std::string::npos) << message;
+  EXPECT_NE(message.find((folder / "a").string() + ": 100000 bytes cannot be written ("), std::string::npos)
+      << message;
   EXPECT_EQ(read_file(folder / "a"), "old");
   EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 1) << "the temporary file is gone";
 }
@@ -64,6 +40,25 @@ TEST_F(Files, FailedAppendLeavesWholeLines) {
     EXPECT_THROW(append_lines(folder / "a", std::string(100000, 'x') + "\n"), IoError);
   }
   EXPECT_EQ(read_file(folder / "a"), "line 1\nline 2\n");
+}
+
+TEST_F(Files, DurableWriteIsWholeOrNotAtAll) {
+  write_file_durably(folder / "a", "old");
+  {
+    const FullDisk full(4096);
+    EXPECT_THROW(write_file_durably(folder / "a", std::string(100000, 'x')), IoError);
+  }
+  EXPECT_EQ(read_file(folder / "a"), "old");
+  EXPECT_THROW(flush_to_disk(folder / "none"), IoError);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 1);
+}
+
+TEST_F(Files, CutsBackButNeverLengthens) {
+  write_file(folder / "a", "line 1\nline 2\n");
+  cut_file(folder / "a", 7);
+  EXPECT_EQ(read_file(folder / "a"), "line 1\n");
+  EXPECT_EQ(message_of<IoError>([&] { cut_file(folder / "a", 8); }),
+            (folder / "a").string() + ": has 7 bytes; it had 8");
 }
 
 TEST_F(Files, MissingPlacesAreReported) {

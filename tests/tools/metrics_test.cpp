@@ -29,8 +29,8 @@ TEST(Metrics, SphereOfOneParticle) {
   const VertexRings rings = vertex_rings(mesh.vertex_count(), mesh.triangles);
   const SurfaceState state = surface_state(*field, mesh, rings, velocity_method("normal"), {});
   FrameMetrics frame;
-  measure_isosurface(*field, 1, frame);
-  const SurfaceMetrics metrics = surface_metrics(*field, frame, mesh, rings, state, Vec3(0, 0, 1));
+  const TriangleMesh isosurface = measure_isosurface(*field, 1, frame);
+  const SurfaceMetrics metrics = surface_metrics(*field, isosurface, mesh, rings, state, Vec3(0, 0, 1));
   EXPECT_EQ(metrics.vertices, mesh.vertex_count());
   EXPECT_EQ(metrics.triangles, mesh.triangles.size());
   EXPECT_EQ(metrics.topology.components, 1);
@@ -97,7 +97,7 @@ TEST(MetricsTable, HasTheDocumentedColumns) {
 }
 
 TEST(MetricsTable, RowMatchesTheHeader) {
-  FrameMetrics frame{7, 0.28, 1000, 0.25, 1.0 / 3.0, 0.02, 0.75, {2, 3}, {}};
+  FrameMetrics frame{7, 0.28, 1000, 0.25, 1.0 / 3.0, 0.02, 0.75, {2, 3}};
   SurfaceMetrics surface;
   surface.vertices = 12;
   surface.triangles = 20;
@@ -121,11 +121,19 @@ TEST(MetricsTable, RowMatchesTheHeader) {
   EXPECT_EQ(split(metrics_row(frame, "total", surface), ',').size(), split(metrics_header(), ',').size());
 }
 
-TEST(TimingsTable, IsInMilliseconds) {
-  EXPECT_EQ(timings_header(),
-            "frame,time,method,solver_ms,velocity_ms,fairing_ms,topology_ms,remesh_ms,output_ms\n");
-  EXPECT_EQ(timings_row(2, 0.08, "total", {1.5, 0.25, 0.125, 0.5, 0, 0.001}),
-            "2,0.08,total,1500,250,125,500,0,1\n");
+TEST(TimingsTable, IsInMillisecondsAndMebibytes) {
+  EXPECT_EQ(
+      timings_header(),
+      "frame,time,method,solver_ms,velocity_ms,fairing_ms,topology_ms,remesh_ms,output_ms,memory_mib\n");
+  EXPECT_EQ(timings_row(2, 0.08, "total", {1.5, 0.25, 0.125, 0.5, 0, 0.001}, 64.25),
+            "2,0.08,total,1500,250,125,500,0,1,64.2\n");
+}
+
+TEST(TimingsTable, MemoryIsWhatTheProgramHolds) {
+  const double before = resident_memory();
+  EXPECT_GT(before, 1);
+  const std::vector<char> block(std::size_t{64} << 20, 'x');
+  EXPECT_NEAR(resident_memory() - before, 64, 8) << block.size();
 }
 
 }  // namespace

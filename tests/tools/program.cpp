@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "core/stopwatch.h"
 #include "tests/tools/scratch.h"
 
 namespace kappaflow {
@@ -33,26 +34,34 @@ namespace fs = std::filesystem;
   _exit(127);
 }
 
-int wait_for(pid_t child, const fs::path& interrupt_when) {
+int wait_for(pid_t child, const Stop& stop) {
+  const Stopwatch watch;
+  const auto is_time = [&] {
+    return stop.when.empty() ? watch.seconds() >= stop.after : fs::exists(stop.when);
+  };
   int status = 0;
-  if (!interrupt_when.empty()) {
-    while (!fs::exists(interrupt_when) && waitpid(child, &status, WNOHANG) == 0) usleep(1000);
-    kill(child, SIGINT);
+  bool ended = false;
+  while (stop.signal != 0 && !ended && !is_time()) {
+    usleep(1000);
+    ended = waitpid(child, &status, WNOHANG) != 0;
   }
-  waitpid(child, &status, 0);
+  if (!ended) {
+    if (stop.signal != 0) kill(child, stop.signal);
+    waitpid(child, &status, 0);
+  }
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
 }  // namespace
 
 ProgramResult run_program(const std::vector<std::string>& words, const std::vector<std::string>& environment,
-                          const fs::path& interrupt_when) {
+                          const Stop& stop) {
   const std::string stem = testing::TempDir() + "kappaflow_program_" + std::to_string(getpid());
   const fs::path out = stem + ".out", err = stem + ".err";
   const pid_t child = fork();
   if (child == 0) become_program(words, environment, out, err);
   ProgramResult result;
-  result.exit_code = wait_for(child, interrupt_when);
+  result.exit_code = wait_for(child, stop);
   result.out = bytes_of(out);
   result.err = bytes_of(err);
   fs::remove(out);

@@ -12,10 +12,15 @@ struct ProgramResult {
   std::string out, err;
 };
 
+/// A signal that the program gets once a file exists, or after a time.
+struct Stop {
+  int signal = 0;              ///< 0: none
+  std::filesystem::path when;  ///< empty: after the time
+  double after = 0;            ///< [s]
+};
+
 /// words: the command line after the program's name. environment: "NAME=value" to set, "NAME" to unset.
-/// interrupt_when: once this file exists, the program gets SIGINT.
 ProgramResult run_program(const std::vector<std::string>& words,
-                          const std::vector<std::string>& environment = {},
-                          const std::filesystem::path& interrupt_when = {});
+                          const std::vector<std::string>& environment = {}, const Stop& stop = {});
 
 }  // namespace kappaflow

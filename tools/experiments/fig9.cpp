@@ -28,8 +28,9 @@ RunSummary run_all_methods(const ExperimentContext& context) {
   options.quiet = context.options.quiet;
   options.command = {"kappaflow", "experiment", context.name};
   RunSummary summary = run_scene(options);
-  if (summary.interrupted)
-    throw Error("interrupted; the report holds the experiments before", kExitInterrupted);
+  if (summary.interrupted_by != 0)
+    throw Error("interrupted; the report holds the experiments before",
+                exit_code_after(summary.interrupted_by));
   return summary;
 }
 

@@ -1,0 +1,104 @@
+#include "tools/scene_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "core/saved_state.h"
+#include "tools/data_files.h"
+#include "tools/progress.h"
+
+namespace kappaflow {
+namespace {
+
+std::string solver_iterations(const FluidStep& step) {
+  return fmt::format("pressure {}, viscosity {}", step.density_iterations + step.divergence_iterations,
+                     step.viscosity_iterations);
+}
+
+}  // namespace
+
+FrameTimes::FrameTimes(const Scene& scene)
+    : count(static_cast<int>(std::ceil(scene.duration * scene.output.frames_per_second - 1e-9))),
+      frames_per_second(scene.output.frames_per_second),
+      duration(scene.duration) {}
+
+double FrameTimes::operator[](int frame) const {
+  return std::min(frame / frames_per_second, duration);
+}
+
+SceneRun::SceneRun(const RunPoint& point, const Scene& scene, RunFolder& folder)
+    : point_(point),
+      scene_(scene),
+      folder_(folder),
+      times_(scene),
+      simulation_(scene),
+      writer_(scene, simulation_, point.options.formats, folder) {}
+
+void SceneRun::start() {
+  summary_.setup_seconds = watch_.seconds();
+  write_frame(0);
+  write_checkpoint();
+}
+
+RunSummary SceneRun::advance(const InterruptGuard& guard) {
+  try {
+    advance_frames(guard);
+  } catch (const SolverFailure& failure) {
+    throw Error(fmt::format("{}; {}", failure.what(), written_particles()), failure.exit_code());
+  } catch (const IoError& error) {
+    throw Error(fmt::format("{}; with that mended, kappaflow run --resume {} goes on", error.what(),
+                            folder_.path().string()),
+                error.exit_code());
+  }
+  summary_.steps = simulation_.fluid().steps();
+  summary_.wall_seconds = seconds_before_ + watch_.seconds();
+  summary_.interrupted_by = guard.signal();
+  summary_.interrupted_at = simulation_.fluid().time();
+  summary_.text =
+      summary_text(summary_, scene_.title, simulation_.surfaces().field_options(), folder_.path());
+  return std::move(summary_);
+}
+
+void SceneRun::advance_frames(const InterruptGuard& guard) {
+  Progress progress(simulation_.fluid().time(), scene_.duration, times_.count, !point_.options.quiet);
+  while (point_.frame < times_.count && !guard.interrupted()) {
+    const int next = point_.frame + 1;
+    const bool arrived = simulation_.advance(times_[next], [&](const FluidStep& step) {
+      progress.show(simulation_.fluid().time(), next, solver_iterations(step));
+      return !guard.interrupted();
+    });
+    if (arrived) write_frame(next);
+    if (guard.interrupted() || point_.frame == times_.count ||
+        point_.frame % scene_.output.checkpoint_interval == 0)
+      write_checkpoint();
+  }
+}
+
+void SceneRun::write_frame(int frame) {
+  writer_.write(frame, times_[frame], simulation_.take_since_frame(), summary_);
+  point_.frame = frame;
+}
+
+void SceneRun::write_checkpoint() {
+  summary_.wall_seconds = seconds_before_ + watch_.seconds();
+  std::ostringstream state;
+  StateWriter(state, little_endian())(point_, *this);
+  folder_.write_checkpoint(state.view());
+}
+
+/// Writes the particles of a failed simulation, and says where they are.
+std::string SceneRun::written_particles() const {
+  const FluidSolver& fluid = simulation_.fluid();
+  const std::filesystem::path file = folder_.path() / kFailureFile;
+  try {
+    write_vtp(file, *particle_data({fluid.particles(), fluid.densities(), fluid.pressures(), {}, 0}));
+  } catch (const IoError& error) {
+    return fmt::format("its particles are lost: {}", error.what());
+  }
+  return fmt::format("its particles are in {}", file.string());
+}
+
+}  // namespace kappaflow
