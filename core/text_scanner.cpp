@@ -1,4 +1,4 @@
-#include "scenes/text_scanner.h"
+#include "core/text_scanner.h"
 
 #include <fmt/format.h>
 
