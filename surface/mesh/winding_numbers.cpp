@@ -18,6 +18,21 @@ double turn(const Vec3& a, const Vec3& b, int number_a, int number_b, double y, 
   return (b[1] - a[1]) * (z - a[2]) - (b[2] - a[2]) * (y - a[1]);
 }
 
+/// The triangles that reach into each slab of the lattice, ascending. position: in units of its spacing.
+std::vector<std::vector<int>> by_slab(std::span<const Vec3> position, std::span<const Triangle> triangles,
+                                      int planes) {
+  const int slabs = (planes + kSlabPlanes - 1) / kSlabPlanes;
+  std::vector<std::vector<int>> result(slabs);
+  for (int t = 0; t < static_cast<int>(triangles.size()); ++t) {
+    const auto& [a, b, c] = triangles[t];
+    const auto [least, most] = std::minmax({position[a][2], position[b][2], position[c][2]});
+    const double last = std::min<double>(std::floor(most / kSlabPlanes), slabs - 1);
+    for (double s = std::max(0.0, std::floor(least / kSlabPlanes)); s <= last; ++s)
+      result[static_cast<std::size_t>(s)].push_back(t);
+  }
+  return result;
+}
+
 /// Counts crossings on planes first to last of the lattice.
 class Slab {
  public:
@@ -83,13 +98,16 @@ std::vector<std::int8_t> winding_numbers(std::span<const Vec3> position, std::sp
   parallel_for(position.size(), [&](std::size_t v) {
     in_lattice[v] = (position[v] - lattice.origin) / lattice.spacing - offset;
   });
+  const std::vector<std::vector<int>> in_slab = by_slab(in_lattice, triangles, dims[2]);
   parallel_for(
-      static_cast<std::size_t>((dims[2] + kSlabPlanes - 1) / kSlabPlanes),
+      in_slab.size(),
       [&](std::size_t s) {
         const int first = static_cast<int>(s) * kSlabPlanes;
         Slab slab(lattice, first, std::min(first + kSlabPlanes, dims[2]) - 1, winding.data());
-        for (const Triangle& t : triangles)
-          slab.add({in_lattice[t[0]], in_lattice[t[1]], in_lattice[t[2]]}, t);
+        for (const int t : in_slab[s]) {
+          const auto& [a, b, c] = triangles[t];
+          slab.add({in_lattice[a], in_lattice[b], in_lattice[c]}, triangles[t]);
+        }
         slab.sum_up();
       },
       1);

@@ -11,9 +11,11 @@
 namespace kappaflow {
 namespace {
 
-constexpr double kFacing = 0.9;    // cosine to the sum of the corners' normals
-constexpr double kParallel = 2.7;  // length of that sum
-constexpr double kLongEdge = 4;    // in limits
+constexpr double kFacing = 0.9;                              // cosine to the sum of the corners' normals
+constexpr double kParallel = 2.7;                            // length of that sum
+constexpr double kLongEdge = 4;                              // in limits
+constexpr std::size_t kPointsAtOnce = std::size_t{1} << 24;  // of the lattice, in memory
+constexpr int kOverlap = 4;                                  // of slabs of it, in planes
 
 /// The sum of the unit outward normals at a triangle's corners.
 Vec3 sum_of_normals(std::span<const Vec3> gradient, const Triangle& triangle) {
@@ -82,6 +84,41 @@ void deform(const std::array<int, 3>& dims, std::vector<LatticeCell>& points,
   } while (points.size() < before);
 }
 
+/// The points in dispute of some planes of the lattice, by their numbers in these.
+std::vector<LatticeCell> points_in_dispute(const Field& field, const TriangleMesh& mesh, double limit,
+                                           SampledField& lattice) {
+  field.sample(lattice);
+  std::vector<std::int8_t> winding = winding_numbers(mesh.position, mesh.triangles, lattice);
+  const auto [nx, ny, nz] = lattice.dims;
+  struct Found {
+    std::vector<LatticeCell> certain, near;  // near f = 0, where a good mesh's chords may be on either side
+  };
+  std::vector<Found> found(nz);
+  parallel_for(
+      static_cast<std::size_t>(nz),
+      [&, nx = nx, ny = ny](std::size_t k) {
+        std::size_t index = k * ny * nx;
+        for (int j = 0; j < ny; ++j)
+          for (int i = 0; i < nx; ++i, ++index) {
+            const double f = lattice.value[index];
+            if (winding[index] == (f > 0 ? 1 : 0)) continue;
+            const LatticeCell at{i, j, static_cast<int>(k)};
+            const bool near = (winding[index] == 0 || winding[index] == 1) &&
+                              std::abs(f) <= limit * sampled_gradient(lattice, at).norm();
+            (near ? found[k].near : found[k].certain).push_back(at);
+          }
+      },
+      1);
+  std::vector<LatticeCell> points, near;
+  for (const Found& plane : found) {
+    points.insert(points.end(), plane.certain.begin(), plane.certain.end());
+    near.insert(near.end(), plane.near.begin(), plane.near.end());
+  }
+  deform(lattice.dims, near, winding);
+  points.insert(points.end(), near.begin(), near.end());
+  return points;
+}
+
 }  // namespace
 
 LatticeCell cell_of(const SampledField& lattice, const Vec3& x) {
@@ -114,36 +151,23 @@ std::vector<int> triangles_off_surface(const Field& field, const TriangleMesh& m
 }
 
 std::vector<LatticeCell> cells_in_dispute(const Field& field, const TriangleMesh& mesh, double limit,
-                                          SampledField& lattice) {
-  field.sample(lattice);
-  std::vector<std::int8_t> winding = winding_numbers(mesh.position, mesh.triangles, lattice);
-  const auto [nx, ny, nz] = lattice.dims;
-  struct Found {
-    std::vector<LatticeCell> certain, near;  // near f = 0, where a good mesh's chords may be on either side
-  };
-  std::vector<Found> found(nz);
-  parallel_for(
-      static_cast<std::size_t>(nz),
-      [&, nx = nx, ny = ny](std::size_t k) {
-        std::size_t index = k * ny * nx;
-        for (int j = 0; j < ny; ++j)
-          for (int i = 0; i < nx; ++i, ++index) {
-            const double f = lattice.value[index];
-            if (winding[index] == (f > 0 ? 1 : 0)) continue;
-            const LatticeCell at{i, j, static_cast<int>(k)};
-            const bool near = (winding[index] == 0 || winding[index] == 1) &&
-                              std::abs(f) <= limit * sampled_gradient(lattice, at).norm();
-            (near ? found[k].near : found[k].certain).push_back(at);
-          }
-      },
-      1);
-  std::vector<LatticeCell> cells, near;
-  for (const Found& plane : found) {
-    cells.insert(cells.end(), plane.certain.begin(), plane.certain.end());
-    near.insert(near.end(), plane.near.begin(), plane.near.end());
+                                          const SampledField& lattice) {
+  const int planes = lattice.dims[2];
+  const std::size_t plane = static_cast<std::size_t>(lattice.dims[0]) * lattice.dims[1];
+  if (planes == 0) return {};
+  const int at_once =
+      static_cast<int>(std::clamp<std::size_t>(kPointsAtOnce / plane, 4 * kOverlap, planes + 2 * kOverlap));
+  std::vector<LatticeCell> cells;
+  for (int first = 0; first < planes; first += at_once - 2 * kOverlap) {
+    const int last = std::min(first + at_once - 2 * kOverlap, planes) - 1;
+    SampledField slab = lattice;
+    slab.first_plane = std::max(first - kOverlap, 0);
+    slab.dims[2] = std::min(last + kOverlap, planes - 1) - slab.first_plane + 1;
+    for (LatticeCell cell : points_in_dispute(field, mesh, limit, slab)) {
+      cell[2] += slab.first_plane;
+      if (cell[2] >= first && cell[2] <= last) cells.push_back(cell);
+    }
   }
-  deform(lattice.dims, near, winding);
-  cells.insert(cells.end(), near.begin(), near.end());
   return cells;
 }
 

@@ -87,7 +87,7 @@ void add_cells_off_surface(const Field& field, const TriangleMesh& mesh, VertexF
 
 /// Where the mesh as a whole is not the surface's: by the lattice and by crossings.
 void add_cells_in_dispute(const Field& field, const TriangleMesh& mesh, double edge_length,
-                          SampledField& lattice, std::vector<LatticeCell>& cells) {
+                          const SampledField& lattice, std::vector<LatticeCell>& cells) {
   add_cells(lattice, mesh, intersecting_triangles(mesh.position, mesh.triangles), cells);
   const std::vector<LatticeCell> disputed = cells_in_dispute(field, mesh, kDispute * edge_length, lattice);
   cells.insert(cells.end(), disputed.begin(), disputed.end());
@@ -99,7 +99,7 @@ TopologyCounts TopologyChange::change(const Field& field, const TopologyOptions&
                                       const ProjectionOptions& projection, TriangleMesh& mesh,
                                       VertexFacts facts) {
   const double scale = field.length_scale();
-  SampledField lattice =
+  const SampledField lattice =
       isosurface_lattice(field, scale > 0 ? std::min(edge_length, options.spacing * scale) : edge_length);
   const ReplacementSetting setting{field, lattice, edge_length, kOffSurface * edge_length,
                                    projection.tolerance * scale};
