@@ -11,7 +11,11 @@
 namespace kappaflow {
 namespace {
 
+#ifdef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION
+constexpr double kMaxParticles = 5e3;  // a fuzzer is to try scenes, not to wait for large ones
+#else
 constexpr double kMaxParticles = 50e6;
+#endif
 /// Particles start at least this far from a wall, in spacings: half a spacing, less rounding in mesh files.
 constexpr double kWallClearance = 0.499;
 constexpr double kBlockClearance = 0.9;

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "core/errors.h"
-#include "scenes/text_scanner.h"
+#include "core/text_scanner.h"
 
 namespace kappaflow {
 namespace {

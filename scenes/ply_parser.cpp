@@ -9,8 +9,8 @@
 #include <string>
 
 #include "core/errors.h"
+#include "core/text_scanner.h"
 #include "scenes/mesh_parsers.h"
-#include "scenes/text_scanner.h"
 
 namespace kappaflow {
 namespace {

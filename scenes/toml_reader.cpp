@@ -7,7 +7,7 @@
 #include <fstream>
 #include <numeric>
 
-#include "scenes/text_scanner.h"
+#include "core/text_scanner.h"
 
 namespace kappaflow {
 namespace {

@@ -17,6 +17,8 @@ constexpr double kWhole = 1e-6;          // rounding that a number of cells may 
 constexpr double kBirthClearance = 0.6;  // no particle is made nearer than this to another [spacings]
 constexpr double kLeastSine = 1e-3;      // of the angle between a rectangle's `up` and the direction
 
+constexpr double kMostInLayer = 1e6;  // beyond, a layer alone would fill the memory
+
 void require(bool holds, const std::string& message) {
   if (!holds) throw InvalidInput("emitter: " + message);
 }
@@ -46,6 +48,14 @@ std::vector<Vec3> layer_of(const RectangleMouth& mouth, const Vec3& direction, d
   const Vec3 u = mouth.up.cross(direction).normalized(), v = direction.cross(u);
   return centred_lattice(std::floor(mouth.width / spacing + kWhole),
                          std::floor(mouth.height / spacing + kWhole), spacing, u, v);
+}
+
+/// About the particles in a layer, as a number that cannot overflow.
+double layer_size(const DiscMouth& disc, double spacing) {
+  return 4 * disc.radius / spacing * disc.radius / spacing;
+}
+double layer_size(const RectangleMouth& mouth, double spacing) {
+  return mouth.width / spacing * mouth.height / spacing;
 }
 
 void check_mouth(const DiscMouth& disc, const Vec3&) {
@@ -89,6 +99,11 @@ void check_emitter(const Emitter& emitter, double spacing, std::size_t fluids) {
           fmt::format("start = {} s; must be before end = {} s", emitter.start, emitter.end));
   require(emitter.fluid < fluids, fmt::format("fluid {}; there are {}", emitter.fluid, fluids));
   std::visit([&](const auto& mouth) { check_mouth(mouth, direction_of(emitter)); }, emitter.mouth);
+  const double wanted =
+      std::visit([&](const auto& mouth) { return layer_size(mouth, spacing); }, emitter.mouth);
+  require(wanted <= kMostInLayer,
+          fmt::format("its mouth holds about {:.3g} particles of spacing {} m; must be at most {:.0g}",
+                      wanted, spacing, kMostInLayer));
   const std::size_t size = emitter_layer(emitter, spacing).size();
   require(size > 0, fmt::format("its mouth is too small to hold one particle of spacing {} m", spacing));
   require(emitted_layers(emitter, spacing, size, std::numeric_limits<double>::infinity()) > 0,

@@ -90,13 +90,7 @@ Definition read_definition(BigEndianReader& in) {
 
 }  // namespace
 
-const BgeoPoints::Attribute* BgeoPoints::find(const std::string& name, std::size_t components) const {
-  const auto found = std::ranges::find_if(
-      attributes, [&](const Attribute& a) { return a.name == name && a.components == components; });
-  return found == attributes.end() ? nullptr : &*found;
-}
-
-BgeoPoints read_bgeo(const fs::path& file) {
+PointData read_bgeo(const fs::path& file) {
   BigEndianReader in(file);
   if (in.text(kMagic.size()) != kMagic) throw IoError(file.string(), "is no .bgeo file of version 5");
   if (const std::uint32_t version = in.number(); version != kVersion)
@@ -111,8 +105,8 @@ BgeoPoints read_bgeo(const fs::path& file) {
   for (std::uint32_t a = 0; a < count; ++a) definitions.push_back(read_definition(in));
 
   // Nothing is set aside for as many points as the file claims: it may be damaged.
-  BgeoPoints result;
-  for (const Definition& d : definitions) result.attributes.push_back({d.name, d.components, {}});
+  PointData result;
+  for (const Definition& d : definitions) result.arrays.push_back({d.name, d.components, {}});
   for (std::uint32_t p = 0; p < points; ++p) {
     const double x = in.real(), y = in.real(), z = in.real();
     result.position.emplace_back(x, y, z);
@@ -121,8 +115,8 @@ BgeoPoints read_bgeo(const fs::path& file) {
       for (std::size_t c = 0; c < definitions[a].components; ++c) {
         const std::uint32_t bits = in.number();
         const bool real = definitions[a].type == kFloat || definitions[a].type == kVector;
-        result.attributes[a].value.push_back(real ? static_cast<double>(std::bit_cast<float>(bits))
-                                                  : static_cast<double>(std::bit_cast<std::int32_t>(bits)));
+        result.arrays[a].values.push_back(real ? static_cast<double>(std::bit_cast<float>(bits))
+                                               : static_cast<double>(std::bit_cast<std::int32_t>(bits)));
       }
   }
   return result;

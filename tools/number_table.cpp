@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/errors.h"
+#include "core/text_scanner.h"
 #include "tools/files.h"
 
 namespace kappaflow {
@@ -38,7 +39,7 @@ std::vector<double> parse_row(std::string_view line, std::size_t columns, Source
     const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), row[c]);
     where.column = static_cast<int>(cells[c].data() - line.data()) + 1;
     if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(row[c]))
-      throw InvalidInput(where, fmt::format("found \"{}\"; expected a finite number", cell));
+      throw InvalidInput(where, fmt::format("found \"{}\"; expected a finite number", one_line(cell, 30)));
   }
   return row;
 }
@@ -51,8 +52,8 @@ std::vector<std::vector<double>> read_number_table(const std::filesystem::path& 
   const std::vector<std::string_view> lines = split(text, '\n');
   SourcePosition where{file.string(), 1, 0};
   if (trimmed(lines[0]) != header)
-    throw InvalidInput(where,
-                       fmt::format("found the header \"{}\"; expected \"{}\"", trimmed(lines[0]), header));
+    throw InvalidInput(where, fmt::format("found the header \"{}\"; expected \"{}\"",
+                                          one_line(trimmed(lines[0]), 60), header));
   const std::size_t columns = split(header, ',').size();
   std::vector<std::vector<double>> rows;
   for (std::size_t l = 1; l < lines.size(); ++l) {

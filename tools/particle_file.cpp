@@ -1,12 +1,12 @@
 #include "tools/particle_file.h"
 
 #include <fmt/format.h>
-#include <vtkDataArray.h>
-#include <vtkPointData.h>
+
+#include <cmath>
 
 #include "core/errors.h"
-#include "tools/data_files.h"
 #include "tools/number_table.h"
+#include "tools/vtk_points.h"
 
 namespace kappaflow {
 namespace {
@@ -28,10 +28,10 @@ FieldParticles particles_from_csv(const std::filesystem::path& file) {
   return particles;
 }
 
-vtkDataArray& point_array(vtkPolyData& data, const char* name, int components,
-                          const std::filesystem::path& file) {
-  vtkDataArray* array = data.GetPointData()->GetArray(name);
-  if (array == nullptr || array->GetNumberOfComponents() != components)
+const PointArray& point_array(const PointData& data, const char* name, std::size_t components,
+                              const std::filesystem::path& file) {
+  const PointArray* array = find_array(data.arrays, {name}, components);
+  if (array == nullptr)
     throw InvalidInput({file.string()},
                        fmt::format("no point array \"{}\" with {} component{}; expected velocity (3), "
                                    "weight (1), sigma (1)",
@@ -40,23 +40,39 @@ vtkDataArray& point_array(vtkPolyData& data, const char* name, int components,
 }
 
 FieldParticles particles_from_vtp(const std::filesystem::path& file) {
-  const vtkSmartPointer<vtkPolyData> data = read_vtp(file);
-  vtkDataArray& velocity = point_array(*data, "velocity", 3, file);
-  vtkDataArray& weight = point_array(*data, "weight", 1, file);
-  vtkDataArray& sigma = point_array(*data, "sigma", 1, file);
+  const PointData data = read_vtk_points(file);
+  const PointArray &velocity = point_array(data, "velocity", 3, file),
+                   &weight = point_array(data, "weight", 1, file),
+                   &sigma = point_array(data, "sigma", 1, file);
   FieldParticles particles;
-  for (vtkIdType i = 0; i < data->GetNumberOfPoints(); ++i)
-    add_particle(particles, Vec3(data->GetPoint(i)), Vec3(velocity.GetTuple3(i)), weight.GetTuple1(i),
-                 sigma.GetTuple1(i));
+  for (std::size_t i = 0; i < data.position.size(); ++i)
+    add_particle(particles, data.position[i], Vec3(&velocity.values[3 * i]), weight.values[i],
+                 sigma.values[i]);
   return particles;
+}
+
+void check_values(const FieldParticles& particles, const std::filesystem::path& file) {
+  if (particles.position.empty()) throw InvalidInput({file.string()}, "holds no particles");
+  for (std::size_t i = 0; i < particles.position.size(); ++i) {
+    const double sigma = particles.sigma[i], weight = particles.weight[i];
+    if (!particles.position[i].allFinite() || !particles.velocity[i].allFinite() || !std::isfinite(weight) ||
+        !std::isfinite(sigma) || !(sigma > 0))
+      throw InvalidInput({file.string()},
+                         fmt::format("particle number {} has a number that is not finite, or a sigma of {}; "
+                                     "expected finite numbers and sigma > 0",
+                                     i, sigma));
+  }
 }
 
 }  // namespace
 
 FieldParticles read_particle_file(const std::filesystem::path& file) {
-  if (file.extension() == ".csv") return particles_from_csv(file);
-  if (file.extension() == ".vtp") return particles_from_vtp(file);
-  throw InvalidInput({file.string()}, "unknown kind of particle file; expected .vtp or .csv");
+  const bool csv = file.extension() == ".csv";
+  if (!csv && file.extension() != ".vtp")
+    throw InvalidInput({file.string()}, "unknown kind of particle file; expected .vtp or .csv");
+  FieldParticles particles = csv ? particles_from_csv(file) : particles_from_vtp(file);
+  check_values(particles, file);
+  return particles;
 }
 
 }  // namespace kappaflow

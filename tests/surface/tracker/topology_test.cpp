@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <cstdlib>
 #include <functional>
 #include <numbers>
 #include <random>
+#include <string>
 
 #include "core/solid_distance.h"
 #include "surface/mesh/isosurface.h"
@@ -208,12 +210,18 @@ TEST(Topology, ASheetTearsOpenAndHeals) {
   EXPECT_LT(run.distance_max, 0.25 * kEdge);
 }
 
+/// How many random motions of 50 steps each; ctest -C long asks for many.
+unsigned random_motions() {
+  const char* wanted = std::getenv("KAPPAFLOW_MOTIONS");
+  return wanted == nullptr ? 6 : static_cast<unsigned>(std::stoul(wanted));
+}
+
 TEST(Topology, RandomMotions) {
   // Sixteen drops on straight paths through each other: merging and parting all the time, with necks and
   // slits thinner than the lattice on the way.
   int steps = 0, other_topology = 0, intersecting = 0;
   TopologyCounts counts;
-  for (unsigned seed = 0; seed < 6; ++seed) {
+  for (unsigned seed = 0; seed < random_motions(); ++seed) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> along(-1, 1);
     std::vector<Vec3> start(16), velocity(16);

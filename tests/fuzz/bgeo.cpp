@@ -1,0 +1,10 @@
+// Particles in .bgeo files.
+#include "tests/fuzz/reader_fuzzer.h"
+#include "tools/input_frame.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace kappaflow;
+  const std::filesystem::path file = memory_file("particles.bgeo", bytes_of(data, size));
+  value_or_error([&] { read_input_frame(file); });
+  return 0;
+}

@@ -1,0 +1,13 @@
+// Particles in CSV files, with and without what `kappaflow probe` needs.
+#include "tests/fuzz/reader_fuzzer.h"
+#include "tools/input_frame.h"
+#include "tools/particle_file.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace kappaflow;
+  const std::string_view bytes = bytes_of(data, size);
+  const std::filesystem::path file = memory_file("particles.csv", bytes);
+  value_or_error([&] { read_input_frame(file); });
+  value_or_error([&] { read_particle_file(file); });
+  return 0;
+}
