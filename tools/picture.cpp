@@ -64,8 +64,9 @@ vtkSmartPointer<vtkActor> surface_actor(vtkPolyData& data, const PictureStyle& s
   return actor;
 }
 
-vtkSmartPointer<vtkActor> boundary_actor(vtkPolyData& data) {
+vtkSmartPointer<vtkActor> boundary_actor(vtkPolyData& data, const PictureStyle& style) {
   auto actor = make_actor(data);
+  actor->GetProperty()->SetOpacity(style.wall_opacity);
   actor->GetProperty()->SetColor(0.9, 0.91, 0.92);
   actor->GetProperty()->SetAmbient(0.35);
   actor->GetProperty()->SetDiffuse(0.7);
@@ -148,7 +149,7 @@ void fill_panel(vtkRenderer& renderer, const Panel& panel, vtkPolyData* boundary
                 const PictureStyle& style) {
   renderer.SetBackground(1, 1, 1);
   renderer.AddActor(surface_actor(*panel.surface, style));
-  if (boundary != nullptr) renderer.AddActor(boundary_actor(*boundary));
+  if (boundary != nullptr) renderer.AddActor(boundary_actor(*boundary, style));
   renderer.AddActor2D(title_actor(panel.title, style));
   if (style.colouring) renderer.AddActor2D(bar_actor(*style.colouring, style));
   add_lights(renderer);

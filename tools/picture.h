@@ -25,6 +25,7 @@ struct PictureStyle {
   int columns = 0;                            ///< panels a row; 0: all in one row
   int panel_width = 900, panel_height = 800;  ///< [pixels]
   bool edges = false;                         ///< draw the triangles' edges
+  double wall_opacity = 1;
   View view{};
   std::optional<Colouring> colouring{};  ///< of the surfaces; none: the colours of their array "checker"
 };

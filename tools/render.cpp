@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 #include <vtkDataArray.h>
 #include <vtkFieldData.h>
+#include <vtkNew.h>
 #include <vtkPoints.h>
+#include <vtkStaticCellLocator.h>
 #include <vtk_jsoncpp.h>
 
 #include <algorithm>
@@ -26,6 +28,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double kHidden = 0.3;  // share of a surface that walls hide at most without being seen through
+constexpr double kGlass = 0.25;  // the opacity of walls that hide more
+constexpr vtkIdType kRays = 500;
 constexpr double kFallbackRate = 25;  // frames a second, where a run has one frame only
 
 Json::Value record_of(const fs::path& folder) {
@@ -75,6 +80,7 @@ class Drawing {
     if (frames_ == 0) throw InvalidInput(fmt::format("{} has no frames yet", options.folder.string()));
     style_ = {.columns = options.columns, .view = chosen_view(options, record_)};
     subject_ = subject();
+    if (std::max(hidden_share(0), hidden_share(frames_ - 1)) > kHidden) style_.wall_opacity = kGlass;
   }
 
   int frames() const { return frames_; }
@@ -93,6 +99,7 @@ class Drawing {
   }
   vtkSmartPointer<vtkPolyData> walls(int frame) const;
   vtkSmartPointer<vtkPolyData> subject() const;
+  double hidden_share(int frame) const;
 
   const RenderOptions& options_;
   Json::Value record_;
@@ -118,6 +125,28 @@ vtkSmartPointer<vtkPolyData> Drawing::subject() const {
   auto subject = vtkSmartPointer<vtkPolyData>::New();
   subject->SetPoints(points);
   return subject;
+}
+
+/// The share of the first surface's vertices, of some hundreds, that a wall hides from the viewer.
+double Drawing::hidden_share(int frame) const {
+  const auto around = walls(frame), liquid = surface(methods_.front(), frame);
+  const vtkIdType vertices = liquid->GetNumberOfPoints();
+  if (!around || around->GetNumberOfCells() == 0 || vertices == 0) return 0;
+  vtkNew<vtkStaticCellLocator> locator;
+  locator->SetDataSet(around);
+  locator->BuildLocator();
+  const Vec3 to_viewer = 2 * subject_->GetLength() * style_.view.from.normalized();
+  const vtkIdType stride = 1 + vertices / kRays;
+  int rays = 0, hidden = 0;
+  for (vtkIdType v = 0; v < vertices; v += stride, ++rays) {
+    const Vec3 from(liquid->GetPoint(v)), to = from + to_viewer;
+    double along = 0;
+    Vec3 at, coordinates;
+    int part = 0;
+    hidden +=
+        locator->IntersectWithLine(from.data(), to.data(), 0, along, at.data(), coordinates.data(), part);
+  }
+  return static_cast<double>(hidden) / rays;
 }
 
 void Drawing::choose_colours(int first, int last) {

@@ -174,5 +174,29 @@ TEST_F(Render, DrawsAPanelForEachMethod) {
   EXPECT_EQ(blue_left, blue_right);
 }
 
+/// The share of the picture's pixels that are clearly blue, as the checker is and walls are not.
+double blue_share(const Image& image) {
+  const int* dims = image.data->GetDimensions();
+  int blue = 0;
+  for (int y = 0; y < dims[1]; ++y)
+    for (int x = 0; x < dims[0]; ++x) blue += image.at(x, y, 2) > image.at(x, y, 0) + 25;
+  return blue / (1.0 * dims[0] * dims[1]);
+}
+
+TEST_F(Render, WallsThatHideTheLiquidAreSeenThrough) {
+  const auto tank = folder / "tank";
+  ASSERT_EQ(run_program({"run", KAPPAFLOW_SOURCE_DIR "/scenes/splash.toml", "--out", tank.string(),
+                         "--duration", "0.002"})
+                .exit_code,
+            0);
+  const auto drawn_from = [&](const char* view) {
+    const auto file = (folder / "tank.png").string();
+    EXPECT_EQ(run_program({"render", tank.string(), "--out", file, "--view", view}).exit_code, 0);
+    return blue_share(Image(file));
+  };
+  EXPECT_GT(drawn_from("0.2,0.1,1"), 0.02) << "from the side, through the walls";
+  EXPECT_GT(drawn_from("0.01,1,0.1"), 0.02) << "from above";
+}
+
 }  // namespace
 }  // namespace kappaflow
