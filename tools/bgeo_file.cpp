@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "core/errors.h"
+#include "core/text_scanner.h"
 
 namespace kappaflow {
 namespace {
@@ -83,7 +84,8 @@ Definition read_definition(BigEndianReader& in) {
       for (std::uint32_t n = in.number(); n > 0; --n) in.text(in.short_number());
       break;
     default:
-      in.fail(fmt::format("attribute \"{}\" is of the unknown type {}", definition.name, definition.type));
+      in.fail(fmt::format("attribute \"{}\" is of the unknown type {}", one_line(definition.name, 30),
+                          definition.type));
   }
   return definition;
 }
