@@ -95,7 +95,7 @@ SolidDistance::SolidDistance(const TriangleSurface& surface) {
     normals_.push_back(normals[t]);
   }
   if (corners.empty()) throw InvalidInput("wall: no triangle has an area");
-  tree_.emplace(std::move(corners));
+  tree_.emplace(corners);
 }
 
 SurfacePoint SolidDistance::nearest(const Vec3& x) const {

@@ -12,7 +12,7 @@ constexpr std::size_t kMaxTreeDepth = 64;  // the median split halves the triang
 
 }  // namespace
 
-TriangleTree::TriangleTree(std::vector<Corners> triangles) {
+TriangleTree::TriangleTree(std::span<const Corners> triangles) {
   leaves_.reserve(triangles.size());
   for (const Corners& corner : triangles)
     leaves_.push_back({corner, static_cast<std::uint32_t>(leaves_.size())});

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/nearest_on_triangle.h"
@@ -22,7 +23,7 @@ class TriangleTree {
   };
 
   /// triangles: at least one, all finite [m].
-  explicit TriangleTree(std::vector<Corners> triangles);
+  explicit TriangleTree(std::span<const Corners> triangles);
 
   /// The nearest triangle to x; of several the first in the order of the tree, which depends on the triangles
   /// alone. May be called from many threads.

@@ -360,7 +360,7 @@ std::vector<VertexBlend> RegionReplacement::sources() const {
   std::vector<TriangleTree::Corners> taken_out;
   taken_out.reserve(removed_.size());
   for (const int t : removed_) taken_out.push_back(corners(mesh_.triangles[t]));
-  const TriangleTree tree(std::move(taken_out));
+  const TriangleTree tree(taken_out);
   std::vector<VertexBlend> source(mesh_.position.size() - first_new_);
   parallel_for(source.size(), [&](std::size_t i) {
     const auto nearest = tree.nearest(mesh_.position[first_new_ + i]);
