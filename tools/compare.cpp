@@ -44,6 +44,7 @@ constexpr Named<Best> kMetrics[] = {
     {"kept_since_frame", Best::most},
     {"surface_without_mesh", Best::least},
     {"mesh_without_surface", Best::least},
+    {"vertices_replaced", Best::least},
     {"regions_replaced", Best::none},
     {"regions_refused", Best::least},
     {"vertices", Best::none},

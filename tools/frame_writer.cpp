@@ -62,6 +62,7 @@ SurfaceMetrics FrameWriter::write_surface(const FrameMetrics& frame, const Trian
   metrics.residual_max = std::max(metrics.residual_max, since_frame.residual_max[m]);
   metrics.regions_replaced = since_frame.topology[m].replaced;
   metrics.regions_refused = since_frame.topology[m].refused;
+  metrics.vertices_replaced = since_frame.topology[m].vertices_lost;
   metrics.tracer_distance = tracer_distance(mesh, surfaces_.tracers(), sigma);
   metrics.kept_fraction = kept_share(mesh, first_);
   metrics.kept_since_frame = kept_share(mesh, last_frame_[m]);

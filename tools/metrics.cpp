@@ -9,6 +9,7 @@
 #include "core/solid_distance.h"
 #include "surface/mesh/isosurface.h"
 #include "surface/mesh/self_intersection.h"
+#include "surface/mesh/winding_numbers.h"
 #include "surface/tracker/projection.h"
 
 namespace kappaflow {
@@ -21,12 +22,25 @@ std::string optional_number(const std::optional<double>& value) {
   return value ? fmt::format("{:.12g}", *value) : std::string();
 }
 
-/// The largest distance from the vertices of one mesh to the triangles of another [m]; 0 where one is empty.
-double largest_distance(const TriangleMesh& from, const TriangleMesh& to) {
-  if (from.triangles.empty() || to.triangles.empty()) return 0;
-  const SolidDistance surface(TriangleSurface{to.position, to.triangles});
-  return parallel_max(from.vertex_count(), 0.0,
-                      [&](std::size_t v) { return std::abs(surface.nearest(from.position[v]).distance); });
+/// The largest distance between a fresh isosurface and a mesh, each way [m]; 0 where one of them is empty.
+void measure_distances(const Field& field, const TriangleMesh& isosurface, const TriangleMesh& mesh,
+                       SurfaceMetrics& metrics) {
+  if (isosurface.triangles.empty() || mesh.triangles.empty()) return;
+  const double sigma = field.length_scale();
+  const SolidDistance to_mesh(TriangleSurface{mesh.position, mesh.triangles}),
+      to_isosurface(TriangleSurface{isosurface.position, isosurface.triangles});
+  metrics.surface_without_mesh = parallel_max(isosurface.vertex_count(), 0.0, [&](std::size_t v) {
+    return std::abs(to_mesh.nearest(isosurface.position[v]).distance) / sigma;
+  });
+  // The isosurface's chords are off f = 0, and a projection may miss the nearest point or fail.
+  metrics.mesh_without_surface = parallel_max(mesh.triangles.size(), 0.0, [&](std::size_t t) {
+    const auto& [a, b, c] = mesh.triangles[t];
+    const Vec3 centroid = (mesh.position[a] + mesh.position[b] + mesh.position[c]) / 3;
+    const Projected projected = project(field, centroid, {});
+    const double to_chords = std::abs(to_isosurface.nearest(centroid).distance);
+    return (projected.converged ? std::min(to_chords, (projected.position - centroid).norm()) : to_chords) /
+           sigma;
+  });
 }
 
 }  // namespace
@@ -78,9 +92,10 @@ SurfaceMetrics surface_metrics(const Field& field, const TriangleMesh& isosurfac
   metrics.angles_outside = angles_outside(mesh.position, mesh.triangles, kSmallestAngle, kLargestAngle);
   metrics.self_intersections = self_intersections(mesh.position, mesh.triangles);
   metrics.texture = texture_jumps(mesh);
-  const double sigma = field.length_scale();
-  metrics.surface_without_mesh = largest_distance(isosurface, mesh) / sigma;
-  metrics.mesh_without_surface = largest_distance(mesh, isosurface) / sigma;
+  const SampledField lattice = isosurface_lattice(field, kIsosurfaceSpacing * field.length_scale());
+  const TriangleMesh seen = seen_by_lattice(mesh, lattice);
+  metrics.on_lattice = mesh_topology(seen.position, seen.triangles);
+  measure_distances(field, isosurface, mesh, metrics);
   return metrics;
 }
 
@@ -97,7 +112,8 @@ std::string metrics_header() {
          "distance,"
          "components,genus,isosurface_components,isosurface_genus,kept_fraction,unprojected,folded_"
          "fraction,angles_outside,self_intersections,texture_jump,texture_cracks,kept_since_frame,"
-         "surface_without_mesh,mesh_without_surface,regions_replaced,regions_refused\n";
+         "surface_without_mesh,mesh_without_surface,regions_replaced,regions_refused,components_on_lattice,"
+         "genus_on_lattice,vertices_replaced\n";
 }
 
 std::string metrics_row(const FrameMetrics& f, const std::string& method, const SurfaceMetrics& s) {
@@ -111,9 +127,10 @@ std::string metrics_row(const FrameMetrics& f, const std::string& method, const 
                      optional_number(s.rotation_captured), optional_number(s.tracer_distance),
                      s.topology.components, s.topology.genus, f.isosurface.components, f.isosurface.genus,
                      s.kept_fraction, s.unprojected, s.folded_fraction) +
-         fmt::format("{:.12g},{},{:.12g},{:.12g},{:.12g},{:.12g},{:.12g},{},{}\n", s.angles_outside,
+         fmt::format("{:.12g},{},{:.12g},{:.12g},{:.12g},{:.12g},{:.12g},{},{},{},{},{}\n", s.angles_outside,
                      s.self_intersections, s.texture.mean, s.texture.cracks, s.kept_since_frame,
-                     s.surface_without_mesh, s.mesh_without_surface, s.regions_replaced, s.regions_refused);
+                     s.surface_without_mesh, s.mesh_without_surface, s.regions_replaced, s.regions_refused,
+                     s.on_lattice.components, s.on_lattice.genus, s.vertices_replaced);
 }
 
 std::string pieces_header() {

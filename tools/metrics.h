@@ -46,6 +46,8 @@ struct SurfaceMetrics {
   std::optional<double> rotation_captured;  ///< of the largest piece
   std::optional<double> tracer_distance;    ///< mean distance of a vertex from its material tracer, in sigma
   MeshTopology topology;
+  /// Of the mesh as the lattice of the fresh isosurface sees it, see seen_by_lattice().
+  MeshTopology on_lattice;
   /// Share of the initial mesh's vertices that the mesh still has; the rest fell to edits.
   double kept_fraction = 1;
   std::size_t unprojected = 0;         ///< vertices that are not on the surface
@@ -56,8 +58,12 @@ struct SurfaceMetrics {
   double kept_since_frame = 1;         ///< share of the last frame's vertices that the mesh still has
   std::size_t regions_replaced = 0;    ///< TopologyCounts::replaced since the last frame
   std::size_t regions_refused = 0;     ///< likewise
-  double surface_without_mesh = 0;     ///< largest distance from the fresh isosurface to the mesh [sigma]
-  double mesh_without_surface = 0;     ///< largest distance from the mesh to the isosurface [sigma]
+  std::size_t vertices_replaced = 0;   ///< TopologyCounts::vertices_lost since the last frame
+  /// Largest distance from the vertices of the fresh isosurface, projected on f = 0, to the mesh [sigma].
+  double surface_without_mesh = 0;
+  /// Largest distance from the centroids of the mesh's triangles to f = 0 or the fresh isosurface, whichever
+  /// is nearer [sigma].
+  double mesh_without_surface = 0;
 
   /// Whether the mesh stands for the surface at all: every vertex on it, hardly a triangle folded over, the
   /// volume and the topology of a fresh isosurface.
@@ -69,7 +75,8 @@ struct SurfaceMetrics {
     archive(vertices, triangles, residual_max, quality.min, quality.mean, size.area, size.volume, slip,
             rotation_captured, tracer_distance, topology.components, topology.genus, kept_fraction,
             unprojected, folded_fraction, angles_outside, self_intersections, texture.mean, texture.cracks,
-            kept_since_frame, regions_replaced, regions_refused, surface_without_mesh, mesh_without_surface);
+            kept_since_frame, regions_replaced, regions_refused, surface_without_mesh, mesh_without_surface,
+            on_lattice.components, on_lattice.genus, vertices_replaced);
   }
 };
 
@@ -93,7 +100,7 @@ TriangleMesh measure_isosurface(const Field& field, double sigma, FrameMetrics& 
 /// Field::length_scale().
 double surface_residual(const Field& field, const TriangleMesh& mesh);
 
-/// Everything that mesh and state say; tracer_distance, kept_fraction, kept_since_frame and
+/// Everything that mesh and state say; tracer_distance, kept_fraction, kept_since_frame, vertices_replaced and
 /// regions_* are the caller's. isosurface: what measure_isosurface() returns.
 SurfaceMetrics surface_metrics(const Field& field, const TriangleMesh& isosurface, const TriangleMesh& mesh,
                                const VertexRings& rings, const SurfaceState& state, const Vec3& report_axis);

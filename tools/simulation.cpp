@@ -51,6 +51,7 @@ bool Simulation::advance(double time, const Watch& watch) {
     if (!watch(step) && time - fluid_.time() > kTimeTolerance) return false;
   }
   if (untracked_ > 0) step_surfaces();
+  surfaces_.settle();
   return true;
 }
 

@@ -124,8 +124,9 @@ bool advance(TrackedSurfaces& surfaces, ParticleMotion& motion, int steps, const
     surfaces.step(part);
     motion.forget_before(end);
     time = end;
-    if (!watch(time)) return s == steps;
+    if (!watch(time) && s < steps) return false;
   }
+  surfaces.settle();
   return true;
 }
 

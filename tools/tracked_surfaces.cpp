@@ -55,19 +55,24 @@ TrackedSurfaces::TrackedSurfaces(std::shared_ptr<const Field> field, const Parti
 }
 
 void TrackedSurfaces::step(FieldMotion& motion) {
-  for (std::size_t m = 0; m < trackers_.size(); ++m) {
-    const TrackerStep step = trackers_[m].step(motion);
-    since_frame_.residual_max[m] = std::max(since_frame_.residual_max[m], step.residual_max);
-    since_frame_.seconds[m].velocity += step.velocity_seconds;
-    since_frame_.seconds[m].fairing += step.fairing_seconds;
-    since_frame_.seconds[m].topology += step.topology_seconds;
-    since_frame_.seconds[m].remesh += step.remesh_seconds;
-    since_frame_.topology[m] += step.topology;
-  }
+  for (std::size_t m = 0; m < trackers_.size(); ++m) add_to_frame(m, trackers_[m].step(motion));
   const Stopwatch watch;
   tracers_.step(motion);
   since_frame_.tracer_seconds += watch.seconds();
   field_ = motion.at(motion.t1());
+}
+
+void TrackedSurfaces::settle() {
+  for (std::size_t m = 0; m < trackers_.size(); ++m) add_to_frame(m, trackers_[m].settle(*field_));
+}
+
+void TrackedSurfaces::add_to_frame(std::size_t method, const TrackerStep& step) {
+  since_frame_.residual_max[method] = std::max(since_frame_.residual_max[method], step.residual_max);
+  since_frame_.seconds[method].velocity += step.velocity_seconds;
+  since_frame_.seconds[method].fairing += step.fairing_seconds;
+  since_frame_.seconds[method].topology += step.topology_seconds;
+  since_frame_.seconds[method].remesh += step.remesh_seconds;
+  since_frame_.topology[method] += step.topology;
 }
 
 SurfacesSinceFrame TrackedSurfaces::take_since_frame() {

@@ -42,6 +42,8 @@ class TrackedSurfaces {
                   const SurfaceDescription& description, const std::string& source);
 
   void step(FieldMotion& motion);
+  /// Makes the surfaces ready to be shown: SurfaceTracker::settle().
+  void settle();
 
   const Field& field() const { return *field_; }  ///< at the end of the last step
   const std::vector<SurfaceTracker>& trackers() const { return trackers_; }
@@ -61,6 +63,8 @@ class TrackedSurfaces {
   }
 
  private:
+  void add_to_frame(std::size_t method, const TrackerStep& step);
+
   ParticleFieldOptions options_;
   std::shared_ptr<const Field> field_;
   std::vector<SurfaceTracker> trackers_;

@@ -129,7 +129,13 @@ SampledField isosurface_lattice(const Field& field, double spacing) {
 TriangleMesh extract_isosurface(const Field& field, double spacing, std::size_t points_at_once) {
   if (!(spacing > 0) || !std::isfinite(spacing))
     throw InvalidInput(fmt::format("the spacing of an isosurface is {} m; it must be positive", spacing));
-  SampledField samples = isosurface_lattice(field, spacing);
+  return extract_isosurface(
+      isosurface_lattice(field, spacing), [&](SampledField& samples) { field.sample(samples); }, points_at_once);
+}
+
+TriangleMesh extract_isosurface(const SampledField& lattice, const std::function<void(SampledField&)>& sample,
+                                std::size_t points_at_once) {
+  SampledField samples = lattice;
   const int planes = samples.dims[2];
   if (planes == 0) return {};
   const std::size_t plane = static_cast<std::size_t>(samples.dims[0]) * samples.dims[1];
@@ -137,7 +143,7 @@ TriangleMesh extract_isosurface(const Field& field, double spacing, std::size_t 
   Seam seam;
   for (; samples.first_plane < planes - 1; samples.first_plane += at_once - 1) {
     samples.dims[2] = std::min(at_once, planes - samples.first_plane);
-    field.sample(samples);
+    sample(samples);
     move_off_zero(samples);
     const vtkNew<vtkPolyData> surface = flying_edges(samples);
     seam.add(*surface, samples);

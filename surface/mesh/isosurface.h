@@ -1,6 +1,8 @@
 // Extraction of f = 0 as a triangle mesh: the first mesh of a tracker, and the yardstick of the metrics.
 #pragma once
 
+#include <functional>
+
 #include "surface/field/field.h"
 #include "surface/mesh/triangle_mesh.h"
 
@@ -12,6 +14,11 @@ namespace kappaflow {
 /// lattice would have more points than 2^31. No more than about `points_at_once` of them are held in memory;
 /// the result does not depend on it, but for rounding and the order of vertices and triangles.
 TriangleMesh extract_isosurface(const Field& field, double spacing,
+                                std::size_t points_at_once = std::size_t{1} << 24);
+
+/// The same of anything that fills the lattice's values, plane by plane; positive inside, and negative at the
+/// lattice's outermost points.
+TriangleMesh extract_isosurface(const SampledField& lattice, const std::function<void(SampledField&)>& sample,
                                 std::size_t points_at_once = std::size_t{1} << 24);
 
 /// The lattice of extract_isosurface(), without values: over the field's bounds, padded so that its outermost

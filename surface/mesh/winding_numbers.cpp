@@ -114,4 +114,12 @@ std::vector<std::int8_t> winding_numbers(std::span<const Vec3> position, std::sp
   return winding;
 }
 
+TriangleMesh seen_by_lattice(const TriangleMesh& mesh, const SampledField& lattice) {
+  return extract_isosurface(lattice, [&](SampledField& samples) {
+    const std::vector<std::int8_t> winding = winding_numbers(mesh.position, mesh.triangles, samples);
+    samples.value.resize(winding.size());
+    std::ranges::transform(winding, samples.value.begin(), [](int n) { return n != 0 ? 1.0f : -1.0f; });
+  });
+}
+
 }  // namespace kappaflow

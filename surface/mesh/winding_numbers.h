@@ -1,11 +1,11 @@
-// How often a closed mesh goes around each point of a lattice.
+// How often a closed mesh goes around each point of a lattice, and what of it the lattice can tell.
 #pragma once
 
 #include <cstdint>
 #include <span>
 #include <vector>
 
-#include "surface/field/field.h"
+#include "surface/mesh/isosurface.h"
 
 namespace kappaflow {
 
@@ -15,5 +15,10 @@ namespace kappaflow {
 /// that they miss vertices which lie on the lattice's edges. Winding numbers beyond +-127 are not told apart.
 std::vector<std::int8_t> winding_numbers(std::span<const Vec3> position, std::span<const Triangle> triangles,
                                          const SampledField& lattice);
+
+/// The mesh as the points of a lattice see it: the isosurface (see extract_isosurface()) between those inside
+/// and those outside. Pieces, necks, holes and slits that pass between the points are not on it. lattice: as
+/// isosurface_lattice() makes it, with the mesh inside.
+TriangleMesh seen_by_lattice(const TriangleMesh& mesh, const SampledField& lattice);
 
 }  // namespace kappaflow

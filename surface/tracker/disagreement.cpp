@@ -15,7 +15,7 @@ constexpr double kFacing = 0.9;                              // cosine to the su
 constexpr double kParallel = 2.7;                            // length of that sum
 constexpr double kLongEdge = 4;                              // in limits
 constexpr std::size_t kPointsAtOnce = std::size_t{1} << 24;  // of the lattice, in memory
-constexpr int kOverlap = 4;                                  // of slabs of it, in planes
+constexpr int kOverlap = 4;                                  // of slabs and blocks of it, in points
 
 /// The sum of the unit outward normals at a triangle's corners.
 Vec3 sum_of_normals(std::span<const Vec3> gradient, const Triangle& triangle) {
@@ -151,21 +151,33 @@ std::vector<int> triangles_off_surface(const Field& field, const TriangleMesh& m
 }
 
 std::vector<LatticeCell> cells_in_dispute(const Field& field, const TriangleMesh& mesh, double limit,
-                                          const SampledField& lattice) {
-  const int planes = lattice.dims[2];
-  const std::size_t plane = static_cast<std::size_t>(lattice.dims[0]) * lattice.dims[1];
-  if (planes == 0) return {};
+                                          const SampledField& lattice, const LatticeBlock& block) {
+  // Winding numbers count crossings from a row's beginning: rows are taken whole.
+  LatticeBlock wanted = block;
+  for (int a = 0; a < 3; ++a) {
+    wanted.first[a] = a == 0 ? 0 : std::max(block.first[a], 0);
+    wanted.last[a] = std::min(a == 0 ? lattice.dims[a] : block.last[a], lattice.dims[a] - 1);
+    if (wanted.first[a] > wanted.last[a]) return {};
+  }
+  const int first_row = std::max(wanted.first[1] - kOverlap, 0),
+            rows = std::min(wanted.last[1] + kOverlap, lattice.dims[1] - 1) - first_row + 1,
+            planes = wanted.last[2] - wanted.first[2] + 1;
+  const std::size_t plane = static_cast<std::size_t>(lattice.dims[0]) * rows;
   const int at_once =
       static_cast<int>(std::clamp<std::size_t>(kPointsAtOnce / plane, 4 * kOverlap, planes + 2 * kOverlap));
   std::vector<LatticeCell> cells;
-  for (int first = 0; first < planes; first += at_once - 2 * kOverlap) {
-    const int last = std::min(first + at_once - 2 * kOverlap, planes) - 1;
+  for (int first = wanted.first[2]; first <= wanted.last[2]; first += at_once - 2 * kOverlap) {
+    const int last = std::min(first + at_once - 2 * kOverlap - 1, wanted.last[2]);
     SampledField slab = lattice;
+    slab.origin[1] += lattice.spacing * first_row;
+    slab.dims[1] = rows;
     slab.first_plane = std::max(first - kOverlap, 0);
-    slab.dims[2] = std::min(last + kOverlap, planes - 1) - slab.first_plane + 1;
+    slab.dims[2] = std::min(last + kOverlap, lattice.dims[2] - 1) - slab.first_plane + 1;
     for (LatticeCell cell : points_in_dispute(field, mesh, limit, slab)) {
+      cell[1] += first_row;
       cell[2] += slab.first_plane;
-      if (cell[2] >= first && cell[2] <= last) cells.push_back(cell);
+      if (cell[1] >= wanted.first[1] && cell[1] <= wanted.last[1] && cell[2] >= first && cell[2] <= last)
+        cells.push_back(cell);
     }
   }
   return cells;

@@ -28,8 +28,9 @@ std::vector<int> triangles_off_surface(const Field& field, const TriangleMesh& m
 /// either further than `limit` [m] from f = 0, as f and its central differences tell, or such that the mesh's
 /// inside cannot be deformed into the surface's point by point (is_simple()): there a neck, slit, piece or
 /// hole is on the lattice of one and not of the other. And those at points around which the mesh goes more
-/// than once, or backwards. The lattice is taken in slabs of at most 2^24 points; its values are not read.
+/// than once, or backwards. Only cells in `block` are looked for. The lattice is taken in slabs of at most
+/// 2^24 points; its values are not read.
 std::vector<LatticeCell> cells_in_dispute(const Field& field, const TriangleMesh& mesh, double limit,
-                                          const SampledField& lattice);
+                                          const SampledField& lattice, const LatticeBlock& block);
 
 }  // namespace kappaflow

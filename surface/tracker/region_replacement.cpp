@@ -83,8 +83,8 @@ bool RegionReplacement::replace(std::span<const LatticeCell> cells, int growth) 
 bool RegionReplacement::replace(const CellRegion& region, const CellRegion& around) {
   take_out(region, around);
   if (!smooth_rim()) return false;
-  const LocalIsosurface iso =
-      local_isosurface(setting_.field, setting_.lattice, block_around(region), setting_.tolerance);
+  const LatticeBlock block = block_around(region);
+  const LocalIsosurface iso = local_isosurface(setting_.field, setting_.lattice, block, setting_.tolerance);
   cut_near_kept(iso);
   if (!drop_foreign_pieces(iso, region)) return false;
   unpinch_patch();
@@ -92,7 +92,7 @@ bool RegionReplacement::replace(const CellRegion& region, const CellRegion& arou
   append_vertices(iso);
   const bool sound = sew() && is_sound();
   if (sound)
-    commit();
+    commit(block);
   else
     roll_back();
   return sound;
@@ -332,7 +332,7 @@ void RegionReplacement::blame(const Vec3& x) {
   in_the_way_.push_back(cell_of(setting_.lattice, x));
 }
 
-void RegionReplacement::commit() {
+void RegionReplacement::commit(const LatticeBlock& block) {
   const std::size_t born = mesh_.position.size() - first_new_;
   const std::vector<VertexBlend> source = sources();
   for (std::size_t i = 0; i < born; ++i) {
@@ -345,6 +345,7 @@ void RegionReplacement::commit() {
   for (const int t : removed_) mesh_.triangles[t] = kRemovedTriangle;
   mesh_.triangles.insert(mesh_.triangles.end(), patch_.begin(), patch_.end());
   mesh_.triangles.insert(mesh_.triangles.end(), seams_.begin(), seams_.end());
+  replaced_blocks.push_back(block);
   ++counts.replaced;
   counts.triangles_removed += removed_.size();
 }

@@ -32,6 +32,7 @@ class RegionReplacement {
   bool replace(std::span<const LatticeCell> cells, int growth);
 
   TopologyCounts counts;
+  std::vector<LatticeBlock> replaced_blocks;  ///< around what each replacement touched
 
  private:
   bool replace(const CellRegion& region, const CellRegion& around);
@@ -48,7 +49,7 @@ class RegionReplacement {
   bool is_sound();
   void blame(std::span<const int> vertices);
   void blame(const Vec3& x);
-  void commit();
+  void commit(const LatticeBlock& block);
   void roll_back();
   std::vector<VertexBlend> sources() const;
   std::vector<Triangle> triangles(std::span<const int> numbers) const;

@@ -13,6 +13,8 @@ namespace kappaflow {
 namespace {
 
 constexpr double kLong = 1.5, kShort = 0.6;  // in lengths aimed at: half of a long edge is not short
+constexpr double kChord = 0.15;  // distance of an edge's midpoint from f = 0 that calls for a vertex there,
+constexpr double kBend = 0.3;    // and length times turn of the normal below which none is; in edge_length
 constexpr double kGrading = 0.4;   // largest change of the length aimed at per length along the surface
 constexpr int kGradingPasses = 3;  // more follow in the next steps
 constexpr double kSharp = 0.927;   // cosine of the smallest angle that needs no repair: 22 degrees
@@ -51,11 +53,17 @@ struct Worst {
 /// One remesh(): what its edits work on.
 class RemeshPass {
  public:
-  RemeshPass(const Field& field, const ProjectionOptions& projection, TriangleMesh& mesh, VertexFacts facts,
-             Remesher& scratch)
-      : field_(field), projection_(projection), mesh_(mesh), facts_(facts), s_(scratch), edits_(s_.edits_) {}
+  RemeshPass(const Field& field, const RemeshOptions& options, const ProjectionOptions& projection,
+             TriangleMesh& mesh, VertexFacts facts, Remesher& scratch)
+      : field_(field),
+        options_(options),
+        projection_(projection),
+        mesh_(mesh),
+        facts_(facts),
+        s_(scratch),
+        edits_(s_.edits_) {}
 
-  void set_targets(const RemeshOptions& options, const VertexRings& rings);
+  void set_targets(const VertexRings& rings);
   void split_long_edges();
   void collapse_short_edges();
   void flip_towards_delaunay();
@@ -77,6 +85,7 @@ class RemeshPass {
   double normal_turn(int u, int v) const;
   template <class Choose>
   void collect_edges(const Choose& choose);
+  bool is_bent(int u, int v) const;
   void project_midpoints();
   void split(int h, const Projected& midpoint);
   bool collapse_either_way(int h, bool repair);
@@ -89,6 +98,7 @@ class RemeshPass {
   void add_facts(const Projected& projected, const VertexBlend& from);
 
   const Field& field_;
+  const RemeshOptions& options_;
   const ProjectionOptions& projection_;
   TriangleMesh& mesh_;
   VertexFacts facts_;
@@ -102,7 +112,7 @@ double RemeshPass::normal_turn(int u, int v) const {
   return (s_.normal_[v] - s_.normal_[u]).norm() / (at(v) - at(u)).norm();
 }
 
-void RemeshPass::set_targets(const RemeshOptions& options, const VertexRings& rings) {
+void RemeshPass::set_targets(const VertexRings& rings) {
   const std::size_t n = mesh_.vertex_count();
   s_.normal_.resize(n);
   s_.target_.resize(n);
@@ -113,7 +123,7 @@ void RemeshPass::set_targets(const RemeshOptions& options, const VertexRings& ri
     double curvature = 0;
     for (const int w : rings.of(v)) curvature = std::max(curvature, normal_turn(v, w));
     s_.target_[v] =
-        std::clamp(options.turn / curvature, options.finest * options.edge_length, options.edge_length);
+        std::clamp(options_.turn / curvature, options_.finest * options_.edge_length, options_.edge_length);
   });
   for (int pass = 0; pass < kGradingPasses; ++pass) {
     parallel_for(n, [&](std::size_t i) {
@@ -127,7 +137,7 @@ void RemeshPass::set_targets(const RemeshOptions& options, const VertexRings& ri
   }
 }
 
-/// Candidates are the edges (u, v), u < v, that choose(size) takes.
+/// Candidates are the edges (u, v), u < v, that choose(size, u, v) takes.
 template <class Choose>
 void RemeshPass::collect_edges(const Choose& choose) {
   s_.candidates_.clear();
@@ -136,8 +146,15 @@ void RemeshPass::collect_edges(const Choose& choose) {
     const int u = edits_.origin(h), v = edits_.end(h);
     if (u > v) continue;
     const double size = (at(u) - at(v)).norm() / aimed_at(u, v);
-    if (choose(size)) s_.candidates_.push_back({size, u, v});
+    if (choose(size, u, v)) s_.candidates_.push_back({size, u, v});
   }
+}
+
+/// Whether the surface may be off the edge's midpoint, and halves of the edge are not too short.
+bool RemeshPass::is_bent(int u, int v) const {
+  const double length = (at(v) - at(u)).norm(), unit = options_.edge_length;
+  return length > 2 * kShort * options_.finest * unit &&
+         length * (s_.normal_[v] - s_.normal_[u]).norm() > kBend * unit;
 }
 
 void RemeshPass::project_midpoints() {
@@ -151,14 +168,19 @@ void RemeshPass::project_midpoints() {
       1);
 }
 
+/// Splits edges that are long, or whose midpoint is off the surface: at tips and in valleys that are narrower
+/// than the edges.
 void RemeshPass::split_long_edges() {
-  collect_edges([](double size) { return size > kLong; });
+  collect_edges([&](double size, int u, int v) { return size > kLong || is_bent(u, v); });
   std::ranges::sort(s_.candidates_, [](const auto& a, const auto& b) {
     return std::tuple(-a.size, a.u, a.v) < std::tuple(-b.size, b.u, b.v);
   });
   project_midpoints();
-  for (std::size_t i = 0; i < s_.candidates_.size(); ++i)
-    split(edits_.find(s_.candidates_[i].u, s_.candidates_[i].v), s_.midpoints_[i]);
+  for (std::size_t i = 0; i < s_.candidates_.size(); ++i) {
+    const auto& [size, u, v] = s_.candidates_[i];
+    const double off = (s_.midpoints_[i].position - 0.5 * (at(u) + at(v))).norm();
+    if (size > kLong || off > kChord * options_.edge_length) split(edits_.find(u, v), s_.midpoints_[i]);
+  }
 }
 
 void RemeshPass::split(int h, const Projected& midpoint) {
@@ -189,7 +211,7 @@ void RemeshPass::add_facts(const Projected& projected, const VertexBlend& from) 
 }
 
 void RemeshPass::collapse_short_edges() {
-  collect_edges([](double size) { return size < kShort; });
+  collect_edges([](double size, int, int) { return size < kShort; });
   std::ranges::sort(s_.candidates_, [](const auto& a, const auto& b) {
     return std::tuple(a.size, a.u, a.v) < std::tuple(b.size, b.u, b.v);
   });
@@ -359,8 +381,8 @@ RemeshCounts Remesher::remesh(const Field& field, const RemeshOptions& options,
                               const ProjectionOptions& projection, const VertexRings& rings,
                               TriangleMesh& mesh, VertexFacts facts) {
   edits_.start(mesh);
-  RemeshPass pass(field, projection, mesh, facts, *this);
-  pass.set_targets(options, rings);
+  RemeshPass pass(field, options, projection, mesh, facts, *this);
+  pass.set_targets(rings);
   pass.split_long_edges();
   pass.collapse_short_edges();
   for (int round = 0; round < kRounds; ++round) {

@@ -24,6 +24,14 @@ struct RemeshCounts {
   double residual_max = 0;   ///< Projected::residual of the new vertices
 
   bool any() const { return splits + collapses + flips + replaced > 0; }
+  RemeshCounts& operator+=(const RemeshCounts& other) {
+    splits += other.splits;
+    collapses += other.collapses;
+    flips += other.flips;
+    replaced += other.replaced;
+    residual_max = residual_max > other.residual_max ? residual_max : other.residual_max;
+    return *this;
+  }
 };
 
 /// What is known at every vertex of a mesh beside its attributes; one entry a vertex.
@@ -33,8 +41,9 @@ struct VertexFacts {
 };
 
 /// Remeshing after Botsch & Kobbelt, "A remeshing approach to multiresolution modeling" (2004), in the form
-/// that keeps a vertex where its material is: edges that are 1.5 times as long as aimed at are split in the
-/// middle and the new vertex put on f = 0; of edges shorter than 0.6 times that, one end goes and the other
+/// that keeps a vertex where its material is: edges that are 1.5 times as long as aimed at, or whose midpoint
+/// is further from f = 0 than 0.15 edge_length, are split in the middle and the new vertex put on f = 0; of
+/// edges shorter than 0.6 times that, one end goes and the other
 /// stays as it is; edges flip towards Delaunay; and triangles with an angle below 22 degrees (hence all with
 /// one above 136) lose their shortest edge or, where that cannot be, one corner to a new vertex at a better
 /// place. No vertex is moved: those that stay keep id, position and attributes, those that come have new ids

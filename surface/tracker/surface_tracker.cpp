@@ -7,6 +7,11 @@
 #include "surface/tracker/mobility.h"
 
 namespace kappaflow {
+namespace {
+
+constexpr int kSettlingRounds = 4;
+
+}  // namespace
 
 SurfaceTracker::SurfaceTracker(TriangleMesh initial_mesh, const TrackerOptions& options)
     : options_(options), method_(velocity_method(options.method)), mesh_(std::move(initial_mesh)) {
@@ -30,13 +35,34 @@ TrackerStep SurfaceTracker::step(FieldMotion& motion) {
     if (options_.fairing.iterations > 0) report.residual_max = residual;
   });
   if (options_.remeshing.edge_length > 0) {
-    if (options_.topology.follows_field)
-      report.topology_seconds = seconds_of([&] { report.topology = change_topology(*field); });
+    if (options_.topology.follows_field) {
+      const bool compare_all = --steps_to_lattice_ <= 0;
+      if (compare_all) steps_to_lattice_ = options_.topology.lattice_interval;
+      report.topology_seconds = seconds_of([&] { report.topology = change_topology(*field, compare_all); });
+    }
     report.remesh_seconds = seconds_of([&] { report.edits = remesh(*field); });
   }
+  finish(report);
+  return report;
+}
+
+TrackerStep SurfaceTracker::settle(const Field& field) {
+  TrackerStep report;
+  if (options_.remeshing.edge_length > 0 && options_.topology.follows_field)
+    for (int round = 0; round < kSettlingRounds; ++round) {
+      TopologyCounts counts;
+      report.topology_seconds += seconds_of([&] { counts = change_topology(field, true); });
+      report.topology += counts;
+      if (counts.replaced == 0) break;
+      report.remesh_seconds += seconds_of([&] { report.edits += remesh(field); });
+    }
+  finish(report);
+  return report;
+}
+
+void SurfaceTracker::finish(TrackerStep& report) const {
   report.residual_max = std::max(report.residual_max, report.edits.residual_max);
   report.unprojected = static_cast<std::size_t>(std::ranges::count(mesh_.unprojected, 1));
-  return report;
 }
 
 /// Puts all vertices on the surface and finds out which ones fairing may move.
@@ -46,10 +72,10 @@ double SurfaceTracker::project(const Field& field) {
   return project_all(field, options_.projection, mesh_.position, mesh_.unprojected, fairing_.gradient);
 }
 
-TopologyCounts SurfaceTracker::change_topology(const Field& field) {
+TopologyCounts SurfaceTracker::change_topology(const Field& field, bool compare_all) {
   const TopologyCounts counts =
       topology_change_.change(field, options_.topology, options_.remeshing.edge_length, options_.projection,
-                              mesh_, {fairing_.gradient, fairing_.mobility});
+                              compare_all, mesh_, {fairing_.gradient, fairing_.mobility});
   if (counts.replaced > 0) renew_connectivity(topology_change_.history());
   return counts;
 }

@@ -50,6 +50,10 @@ class SurfaceTracker {
   /// Moves the mesh from motion.t0() to motion.t1().
   TrackerStep step(FieldMotion& motion);
 
+  /// Compares the mesh with f = 0 once more, on the whole lattice, and mends it until both agree or some rounds
+  /// are over: what a frame shows has the surface's topology. field: at the end of the last step.
+  TrackerStep settle(const Field& field);
+
   const TriangleMesh& mesh() const { return mesh_; }
   const VertexRings& rings() const { return rings_; }
   const VelocityMethod& method() const { return method_; }
@@ -60,14 +64,15 @@ class SurfaceTracker {
   void serialize(Archive& archive) {
     archive(mesh_);
     if constexpr (Archive::is_loading::value) start_from_mesh();
-    archive(fairing_, topology_change_);
+    archive(fairing_, steps_to_lattice_);
   }
 
  private:
   void start_from_mesh();
   void advect(FieldMotion& motion);
   double project(const Field& field);
-  TopologyCounts change_topology(const Field& field);
+  TopologyCounts change_topology(const Field& field, bool compare_all);
+  void finish(TrackerStep& report) const;
   RemeshCounts remesh(const Field& field);
   void renew_connectivity(const VertexHistory& history);
 
@@ -78,6 +83,7 @@ class SurfaceTracker {
   FairingState fairing_;
   RungeKutta runge_kutta_;
   TopologyChange topology_change_;
+  int steps_to_lattice_ = 1;  // until mesh and surface are compared on the whole lattice
   Remesher remesher_;
   SurfaceVelocities velocities_;  // of the last stage of the step
   std::vector<double> area_;      // at the start of the step

@@ -85,19 +85,38 @@ void add_cells_off_surface(const Field& field, const TriangleMesh& mesh, VertexF
   add_cells(lattice, mesh, triangles_off_surface(field, mesh, facts.gradient, limit), cells);
 }
 
-/// Where the mesh as a whole is not the surface's: by the lattice and by crossings.
+/// Where the inside of the mesh is not the surface's, as the lattice in the blocks tells.
 void add_cells_in_dispute(const Field& field, const TriangleMesh& mesh, double edge_length,
-                          const SampledField& lattice, std::vector<LatticeCell>& cells) {
-  add_cells(lattice, mesh, intersecting_triangles(mesh.position, mesh.triangles), cells);
-  const std::vector<LatticeCell> disputed = cells_in_dispute(field, mesh, kDispute * edge_length, lattice);
-  cells.insert(cells.end(), disputed.begin(), disputed.end());
+                          const SampledField& lattice, std::span<const LatticeBlock> blocks,
+                          std::vector<LatticeCell>& cells) {
+  for (const LatticeBlock& block : blocks) {
+    const std::vector<LatticeCell> disputed =
+        cells_in_dispute(field, mesh, kDispute * edge_length, lattice, block);
+    cells.insert(cells.end(), disputed.begin(), disputed.end());
+  }
+}
+
+/// All of the lattice's cells.
+LatticeBlock whole(const SampledField& lattice) {
+  return {{0, 0, 0}, {lattice.dims[0] - 1, lattice.dims[1] - 1, lattice.dims[2] - 1}};
+}
+
+/// The blocks, or the whole lattice where that has fewer rows.
+std::vector<LatticeBlock> fewest_rows(std::vector<LatticeBlock> blocks, const SampledField& lattice) {
+  const auto rows = [](const LatticeBlock& b) {
+    return (b.last[1] - b.first[1] + 1.0) * (b.last[2] - b.first[2] + 1.0);
+  };
+  double sum = 0;
+  for (const LatticeBlock& b : blocks) sum += rows(b);
+  if (sum < rows(whole(lattice))) return blocks;
+  return {whole(lattice)};
 }
 
 }  // namespace
 
 TopologyCounts TopologyChange::change(const Field& field, const TopologyOptions& options, double edge_length,
-                                      const ProjectionOptions& projection, TriangleMesh& mesh,
-                                      VertexFacts facts) {
+                                      const ProjectionOptions& projection, bool compare_all,
+                                      TriangleMesh& mesh, VertexFacts facts) {
   const double scale = field.length_scale();
   const SampledField lattice =
       isosurface_lattice(field, scale > 0 ? std::min(edge_length, options.spacing * scale) : edge_length);
@@ -106,26 +125,27 @@ TopologyCounts TopologyChange::change(const Field& field, const TopologyOptions&
   RegionReplacement replacement(setting, mesh, facts);
   TopologyCounts& counts = replacement.counts;
   history_.vertices_at_start = static_cast<int>(mesh.vertex_count());
-  const bool whole = --steps_to_lattice_ <= 0;
-  if (whole) steps_to_lattice_ = options.lattice_interval;
-  for (int pass = 0; pass < kPasses; ++pass) {
-    std::vector<LatticeCell> cells;
-    // The lattice's slivers in patches are the remesher's to mend.
-    if (pass == 0) add_cells_off_surface(field, mesh, facts, edge_length, lattice, cells);
-    if (pass > 0 || whole) add_cells_in_dispute(field, mesh, edge_length, lattice, cells);
-    if (cells.empty()) break;
-    const std::size_t replaced_before = counts.replaced;
+  std::vector<LatticeCell> cells;
+  add_cells_off_surface(field, mesh, facts, edge_length, lattice, cells);
+  if (compare_all) {
+    add_cells(lattice, mesh, intersecting_triangles(mesh.position, mesh.triangles), cells);
+    add_cells_in_dispute(field, mesh, edge_length, lattice, std::array{whole(lattice)}, cells);
+  }
+  for (int pass = 0; pass < kPasses && !cells.empty(); ++pass) {
     counts.refused = 0;
+    replacement.replaced_blocks.clear();
     for (const std::vector<LatticeCell>& region : regions_of(cells))
       counts.refused += replacement.replace(region, kGrowth + pass) ? 0 : 1;
-    if (counts.replaced == replaced_before) break;
     std::erase(mesh.triangles, kRemovedTriangle);
+    cells.clear();
+    add_cells_in_dispute(field, mesh, edge_length, lattice,
+                         fewest_rows(std::move(replacement.replaced_blocks), lattice), cells);
   }
   if (counts.replaced == 0) return counts;
-  steps_to_lattice_ = 1;
   finish(mesh, facts, history_);
   const auto first_born = std::ranges::lower_bound(history_.number, history_.vertices_at_start);
   counts.vertices_born = static_cast<std::size_t>(history_.number.end() - first_born);
+  counts.vertices_lost = history_.vertices_at_start - (history_.number.size() - counts.vertices_born);
   return counts;
 }
 

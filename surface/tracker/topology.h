@@ -13,9 +13,7 @@ struct TopologyOptions {
   bool follows_field = false;  ///< whether the mesh's topology follows the surface's
   /// Of the lattice, as a share of Field::length_scale(); smaller pieces, holes and gaps may be missed.
   double spacing = 0.25;
-  /// Steps between two comparisons with the whole lattice while nothing happens, >= 1; the step after a
-  /// replacement always compares.
-  int lattice_interval = 4;
+  int lattice_interval = 4;  ///< steps from one comparison with the whole lattice to the next, >= 1
 };
 
 /// What one change of topology did.
@@ -24,19 +22,21 @@ struct TopologyCounts {
   std::size_t refused = 0;            ///< regions where mesh and surface still disagree
   std::size_t triangles_removed = 0;  ///< in the former
   std::size_t vertices_born = 0;      ///< vertices that are new afterwards
+  std::size_t vertices_lost = 0;      ///< vertices that are gone afterwards
 
   TopologyCounts& operator+=(const TopologyCounts& other) {
     replaced += other.replaced;
     refused += other.refused;
     triangles_removed += other.triangles_removed;
     vertices_born += other.vertices_born;
+    vertices_lost += other.vertices_lost;
     return *this;
   }
 
   /// See core/saved_state.h.
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(replaced, refused, triangles_removed, vertices_born);
+    archive(replaced, refused, triangles_removed, vertices_born, vertices_lost);
   }
 };
 
@@ -44,7 +44,7 @@ struct TopologyCounts {
 /// that split and merge" (2009) and Mueller, "Fast and robust tracking of fluid surfaces" (2009), guided by
 /// the field: it knows the true surface at every step.
 ///
-/// Where mesh and f = 0 disagree (see disagreement.h; and where the mesh passes through itself) the triangles
+/// Where mesh and f = 0 disagree (see disagreement.h; or the mesh passes through itself) the triangles
 /// around are taken out, f = 0 is extracted there, what of it is nearer to the triangles left than a
 /// quarter of an edge is cut away, and the loops of both sides are joined by strips of triangles; a loop that
 /// finds no partner is filled. The result is taken if every new triangle is a piece of f = 0
@@ -57,23 +57,18 @@ struct TopologyCounts {
 class TopologyChange {
  public:
   /// edge_length: of the mesh, > 0 [m]. `facts` must belong to the vertices as they are, projected.
+  /// compare_all: whether mesh and surface are compared on the whole lattice, not only around replacements.
   /// Afterwards other arrays over the vertices are to be renewed (see history()) if TopologyCounts::replaced
   /// > 0.
   TopologyCounts change(const Field& field, const TopologyOptions& options, double edge_length,
-                        const ProjectionOptions& projection, TriangleMesh& mesh, VertexFacts facts);
+                        const ProjectionOptions& projection, bool compare_all, TriangleMesh& mesh,
+                        VertexFacts facts);
 
   /// What became of the vertices in the last change().
   const VertexHistory& history() const { return history_; }
 
-  /// See core/saved_state.h.
-  template <class Archive>
-  void serialize(Archive& archive) {
-    archive(steps_to_lattice_);
-  }
-
  private:
   VertexHistory history_;
-  int steps_to_lattice_ = 0;
 };
 
 }  // namespace kappaflow
