@@ -105,6 +105,24 @@ int EdgeEdits::split(int h, double share, const Vec3& x) {
   return m;
 }
 
+int EdgeEdits::split(int triangle, const VertexBlend& attributes, const Vec3& x) {
+  const auto [a, b, c] = mesh_->triangles[triangle];
+  const int first = 3 * triangle, bc = twin_[first + 1], ca = twin_[first + 2];
+  const int m = add_vertex(attributes, x), second = 3 * add_triangle({b, c, m}),
+            third = 3 * add_triangle({c, a, m});
+  mesh_->triangles[triangle] = {a, b, m};
+  link(first + 1, second + 2);
+  link(second + 1, third + 2);
+  link(third + 1, first + 2);
+  link(second, bc);
+  link(third, ca);
+  out_[a] = first;
+  out_[b] = second;
+  out_[c] = third;
+  out_[m] = first + 2;
+  return m;
+}
+
 bool EdgeEdits::can_collapse(int h) {
   const int u = origin(h), v = end(h);
   if (valence(apex(h)) <= 3 || valence(apex(twin_[h])) <= 3) return false;

@@ -64,6 +64,8 @@ class EdgeEdits {
   /// Puts a vertex at x on edge h; its attributes are blended between the edge's ends, `share` of the way
   /// from origin to end. Returns it.
   int split(int h, double share, const Vec3& x);
+  /// Puts a vertex at x into a triangle, joined with its three corners. Returns it.
+  int split(int triangle, const VertexBlend& attributes, const Vec3& x);
   /// Whether the origin of h may be joined with its end: the link condition, i.e. no vertex but the two
   /// apexes neighbours both, and each apex keeps three triangles.
   bool can_collapse(int h);

@@ -7,12 +7,14 @@
 #include "surface/mesh/mesh_measures.h"
 #include "surface/mesh/simple_points.h"
 #include "surface/mesh/winding_numbers.h"
+#include "surface/tracker/projection.h"
 
 namespace kappaflow {
 namespace {
 
 constexpr double kFacing = 0.9;                              // cosine to the sum of the corners' normals
 constexpr double kParallel = 2.7;                            // length of that sum
+constexpr double kAgreeing = 1;                              // such length below which it says nothing
 constexpr double kLongEdge = 4;                              // in limits
 constexpr std::size_t kPointsAtOnce = std::size_t{1} << 24;  // of the lattice, in memory
 constexpr int kOverlap = 4;                                  // of slabs and blocks of it, in points
@@ -130,9 +132,14 @@ bool is_off_surface(const Field& field, std::span<const Vec3> position, std::spa
                     const Triangle& triangle, double limit) {
   const auto& [a, b, c] = triangle;
   const Vec3 normals = sum_of_normals(gradient, triangle);
-  if (!(facing(position[a], position[b], position[c], normals) > 0)) return true;
-  const ValueAndGradient at = field.value_and_gradient((position[a] + position[b] + position[c]) / 3);
-  return !(std::abs(at.f) <= limit * at.g.norm());
+  if (normals.norm() > kAgreeing && !(facing(position[a], position[b], position[c], normals) > 0)) return true;
+  const Vec3 centroid = (position[a] + position[b] + position[c]) / 3;
+  const ValueAndGradient at = field.value_and_gradient(centroid);
+  if (std::abs(at.f) <= limit * at.g.norm()) return false;
+  // In the middle of a thin sheet, under its rim, the gradient vanishes and f = 0 is near all the same.
+  const Projected projected = project(field, centroid, {});
+  return !projected.converged || (projected.position - centroid).norm() > limit ||
+         facing(position[a], position[b], position[c], -projected.gradient) < 0;
 }
 
 std::vector<int> triangles_off_surface(const Field& field, const TriangleMesh& mesh,

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <tuple>
 
@@ -13,15 +14,18 @@ namespace kappaflow {
 namespace {
 
 constexpr double kLong = 1.5, kShort = 0.6;  // in lengths aimed at: half of a long edge is not short
-constexpr double kChord = 0.15;  // distance of an edge's midpoint from f = 0 that calls for a vertex there,
-constexpr double kBend = 0.3;    // and length times turn of the normal below which none is; in edge_length
-constexpr double kGrading = 0.4;   // largest change of the length aimed at per length along the surface
-constexpr int kGradingPasses = 3;  // more follow in the next steps
-constexpr double kSharp = 0.927;   // cosine of the smallest angle that needs no repair: 22 degrees
-constexpr double kFacing = 0.9;    // cosine between a triangle and its corners' normals that is always good
-constexpr double kGain = 1e-3;     // least improvement of that cosine which is worth an edit
+constexpr double kChord =
+    0.15;                       // distance of a triangle from f = 0 that calls for smaller ones [edge_length]
+constexpr double kSteep = 0.3;  // least cosine by which an edit may turn a triangle
+constexpr double kFlatShare = 0.5;  // of an edge's length that counts where the normals at its ends agree
+constexpr double kBent = 0.99;      // length aimed at [edge_length] above which the surface counts as flat
+constexpr double kGrading = 0.4;    // largest change of the length aimed at per length along the surface
+constexpr int kGradingPasses = 3;   // more follow in the next steps
+constexpr double kSharp = 0.927;    // cosine of the smallest angle that needs no repair: 22 degrees
+constexpr double kFacing = 0.9;     // cosine between a triangle and its corners' normals that is always good
+constexpr double kGain = 1e-3;      // least improvement of that cosine which is worth an edit
 constexpr double kFlipMargin = 1e-9;  // of the sum of cotangents
-constexpr int kRounds = 3;            // of flips and repairs
+constexpr int kRounds = 3;            // of splits, and of flips and repairs
 
 double cotangent(const Vec3& apex, const Vec3& a, const Vec3& b) {
   return (a - apex).dot(b - apex) / (a - apex).cross(b - apex).norm();
@@ -65,6 +69,7 @@ class RemeshPass {
 
   void set_targets(const VertexRings& rings);
   void split_long_edges();
+  void refine_off_surface();
   void collapse_short_edges();
   void flip_towards_delaunay();
   bool repair_sharp_triangles();
@@ -74,6 +79,7 @@ class RemeshPass {
 
  private:
   const Vec3& at(int v) const { return mesh_.position[v]; }
+  Vec3 normal(int a, int b, int c) const { return (at(b) - at(a)).cross(at(c) - at(a)).normalized(); }
   double aimed_at(int u, int v) const { return 0.5 * (s_.target_[u] + s_.target_[v]); }
   void add_to(Worst& worst, int a, int b, int c) const { add_to(worst, at(a), s_.normal_[a], b, c); }
   /// A triangle with its first corner at x, where the normal is n.
@@ -85,16 +91,20 @@ class RemeshPass {
   double normal_turn(int u, int v) const;
   template <class Choose>
   void collect_edges(const Choose& choose);
-  bool is_bent(int u, int v) const;
+  bool is_off_surface(const Triangle& triangle) const;
+  int most_bent_edge(int triangle) const;
   void project_midpoints();
   void split(int h, const Projected& midpoint);
+  void refine(int triangle);
   bool collapse_either_way(int h, bool repair);
   bool may_collapse(int h, bool repair);
+  bool leaves_surface(int h) const;
   bool flip(int h);
   bool replace_a_corner(int triangle);
   std::optional<Vec3> better_place(int v, double& sharp) const;
   VertexBlend blend_around(int v, const Vec3& x) const;
   bool replace(int v, const Vec3& x);
+  bool keeps_facing(int u, int v, int a, const Vec3& x) const;
   void add_facts(const Projected& projected, const VertexBlend& from);
 
   const Field& field_;
@@ -137,7 +147,7 @@ void RemeshPass::set_targets(const VertexRings& rings) {
   }
 }
 
-/// Candidates are the edges (u, v), u < v, that choose(size, u, v) takes.
+/// Candidates are the edges (u, v), u < v, that choose(size) takes.
 template <class Choose>
 void RemeshPass::collect_edges(const Choose& choose) {
   s_.candidates_.clear();
@@ -146,15 +156,8 @@ void RemeshPass::collect_edges(const Choose& choose) {
     const int u = edits_.origin(h), v = edits_.end(h);
     if (u > v) continue;
     const double size = (at(u) - at(v)).norm() / aimed_at(u, v);
-    if (choose(size, u, v)) s_.candidates_.push_back({size, u, v});
+    if (choose(size)) s_.candidates_.push_back({size, u, v});
   }
-}
-
-/// Whether the surface may be off the edge's midpoint, and halves of the edge are not too short.
-bool RemeshPass::is_bent(int u, int v) const {
-  const double length = (at(v) - at(u)).norm(), unit = options_.edge_length;
-  return length > 2 * kShort * options_.finest * unit &&
-         length * (s_.normal_[v] - s_.normal_[u]).norm() > kBend * unit;
 }
 
 void RemeshPass::project_midpoints() {
@@ -168,19 +171,85 @@ void RemeshPass::project_midpoints() {
       1);
 }
 
-/// Splits edges that are long, or whose midpoint is off the surface: at tips and in valleys that are narrower
-/// than the edges.
 void RemeshPass::split_long_edges() {
-  collect_edges([&](double size, int u, int v) { return size > kLong || is_bent(u, v); });
+  collect_edges([](double size) { return size > kLong; });
   std::ranges::sort(s_.candidates_, [](const auto& a, const auto& b) {
     return std::tuple(-a.size, a.u, a.v) < std::tuple(-b.size, b.u, b.v);
   });
   project_midpoints();
-  for (std::size_t i = 0; i < s_.candidates_.size(); ++i) {
-    const auto& [size, u, v] = s_.candidates_[i];
-    const double off = (s_.midpoints_[i].position - 0.5 * (at(u) + at(v))).norm();
-    if (size > kLong || off > kChord * options_.edge_length) split(edits_.find(u, v), s_.midpoints_[i]);
+  for (std::size_t i = 0; i < s_.candidates_.size(); ++i)
+    split(edits_.find(s_.candidates_[i].u, s_.candidates_[i].v), s_.midpoints_[i]);
+}
+
+/// Puts vertices where triangles are off the surface, at tips, at rims and in valleys narrower than they, and
+/// where those are that come of it.
+void RemeshPass::refine_off_surface() {
+  std::vector<int> suspects(mesh_.triangles.size());
+  std::iota(suspects.begin(), suspects.end(), 0);
+  for (int round = 0; round < kRounds && !suspects.empty(); ++round) {
+    std::vector<char> off(suspects.size());
+    parallel_for(off.size(), [&](std::size_t i) { off[i] = is_off_surface(mesh_.triangles[suspects[i]]); });
+    const int first_new = static_cast<int>(mesh_.vertex_count());
+    for (std::size_t i = 0; i < off.size(); ++i)
+      if (off[i] && is_off_surface(mesh_.triangles[suspects[i]]))
+        refine(suspects[i]);  // edits may have helped
+    suspects.clear();
+    for (int v = first_new; v < static_cast<int>(mesh_.vertex_count()); ++v)
+      edits_.for_each_out(v, [&](int out) { suspects.push_back(out / 3); });
   }
+}
+
+/// Divides an edge or, where that would fold something, the triangle; none whose parts would be too short.
+void RemeshPass::refine(int triangle) {
+  const int h = most_bent_edge(triangle), u = edits_.origin(h), v = edits_.end(h), a = edits_.apex(h);
+  const double length = (at(u) - at(v)).norm();
+  if (length <= 2 * kShort * options_.finest * options_.edge_length) return;
+  const auto nearby = [&](const Vec3& x) {
+    const Projected projected = project(field_, x, projection_);
+    return projected.converged && (projected.position - x).norm() < length ? std::optional(projected)
+                                                                           : std::nullopt;
+  };
+  if (const auto middle = nearby(0.5 * (at(u) + at(v)));
+      middle && keeps_facing(u, v, a, middle->position) &&
+      keeps_facing(v, u, edits_.apex(edits_.twin(h)), middle->position)) {
+    edits_.split(h, 0.5, middle->position);
+    add_facts(*middle, {{u, v, v}, {0.5, 0.5, 0}});
+  } else if (const auto centre = nearby((at(u) + at(v) + at(a)) / 3);
+             centre && keeps_facing(u, v, a, centre->position) &&
+             facing(at(u), at(v), centre->position, normal(u, v, a)) >= kSteep) {
+    const VertexBlend blend{{u, v, a}, {1.0 / 3, 1.0 / 3, 1.0 / 3}};
+    edits_.split(triangle, blend, centre->position);
+    add_facts(*centre, blend);
+  } else {
+    return;
+  }
+  ++counts.splits;
+}
+
+/// Whether triangle (u, v, a) hardly turns where x is put between u and v. The normals at the corners do not
+/// tell where it cuts through a tip or a rim: they may point in opposite directions.
+bool RemeshPass::keeps_facing(int u, int v, int a, const Vec3& x) const {
+  const Vec3 before = normal(u, v, a);
+  return facing(at(u), x, at(a), before) >= kSteep && facing(x, at(v), at(a), before) >= kSteep;
+}
+
+bool RemeshPass::is_off_surface(const Triangle& triangle) const {
+  const auto& [a, b, c] = triangle;
+  if (std::min({s_.target_[a], s_.target_[b], s_.target_[c]}) > kBent * options_.edge_length) return false;
+  const ValueAndGradient centroid = field_.value_and_gradient((at(a) + at(b) + at(c)) / 3);
+  return std::abs(centroid.f) > kChord * options_.edge_length * centroid.g.norm();
+}
+
+/// The half-edge of the triangle that is longest, one along which the normal turns counting for more.
+int RemeshPass::most_bent_edge(int triangle) const {
+  const auto bend = [&](int h) {
+    const int u = edits_.origin(h), v = edits_.end(h);
+    return (at(v) - at(u)).norm() * (kFlatShare + (s_.normal_[v] - s_.normal_[u]).norm());
+  };
+  int most = 3 * triangle;
+  for (const int h : {most + 1, most + 2})
+    if (bend(h) > bend(most)) most = h;
+  return most;
 }
 
 void RemeshPass::split(int h, const Projected& midpoint) {
@@ -211,7 +280,7 @@ void RemeshPass::add_facts(const Projected& projected, const VertexBlend& from) 
 }
 
 void RemeshPass::collapse_short_edges() {
-  collect_edges([](double size, int, int) { return size < kShort; });
+  collect_edges([](double size) { return size < kShort; });
   std::ranges::sort(s_.candidates_, [](const auto& a, const auto& b) {
     return std::tuple(a.size, a.u, a.v) < std::tuple(b.size, b.u, b.v);
   });
@@ -236,14 +305,28 @@ bool RemeshPass::collapse_either_way(int h, bool repair) {
 bool RemeshPass::may_collapse(int h, bool repair) {
   const int u = edits_.origin(h), v = edits_.end(h), left = h / 3, right = edits_.twin(h) / 3;
   Worst before = fan(u), after;
-  bool too_long = false;
+  bool refused = false;
   edits_.for_each_out(u, [&](int out) {
-    const int b = edits_.end(out);
-    if (b != v) too_long |= (at(b) - at(v)).norm() > kLong * aimed_at(b, v);
-    if (out / 3 != left && out / 3 != right) add_to(after, v, b, edits_.apex(out));
+    const int b = edits_.end(out), c = edits_.apex(out);
+    refused |= b != v && (at(b) - at(v)).norm() > kLong * aimed_at(b, v);
+    if (out / 3 == left || out / 3 == right) return;
+    add_to(after, v, b, c);
+    refused |= facing(at(v), at(b), at(c), normal(u, b, c)) < kSteep;
   });
   const double limit = repair ? before.sharpness - kGain : std::max(kSharp, before.sharpness);
-  return !too_long && after.sharpness <= limit && after.faces_well(before) && edits_.can_collapse(h);
+  return !refused && after.sharpness <= limit && after.faces_well(before) && edits_.can_collapse(h) &&
+         !leaves_surface(h);
+}
+
+/// Whether the triangles that a collapse of h makes are off the surface.
+bool RemeshPass::leaves_surface(int h) const {
+  const int v = edits_.end(h), left = h / 3, right = edits_.twin(h) / 3;
+  bool off = false;
+  edits_.for_each_out(edits_.origin(h), [&](int out) {
+    off = off ||
+          (out / 3 != left && out / 3 != right && is_off_surface({v, edits_.end(out), edits_.apex(out)}));
+  });
+  return off;
 }
 
 Worst RemeshPass::fan(int v) const {
@@ -280,7 +363,12 @@ bool RemeshPass::flip(int h) {
   add_to(before, v, u, b);
   add_to(after, u, b, a);
   add_to(after, v, a, b);
-  if (!(after.sharpness < before.sharpness) || !after.faces_well(before) || !edits_.flip(h)) return false;
+  const Vec3 facing_before = normal(u, v, a) + normal(v, u, b);
+  if (!(after.sharpness < before.sharpness) || !after.faces_well(before) ||
+      facing(at(u), at(b), at(a), facing_before) < kSteep ||
+      facing(at(v), at(a), at(b), facing_before) < kSteep || is_off_surface({u, b, a}) ||
+      is_off_surface({v, a, b}) || !edits_.flip(h))
+    return false;
   ++counts.flips;
   return true;
 }
@@ -384,6 +472,7 @@ RemeshCounts Remesher::remesh(const Field& field, const RemeshOptions& options,
   RemeshPass pass(field, options, projection, mesh, facts, *this);
   pass.set_targets(rings);
   pass.split_long_edges();
+  pass.refine_off_surface();
   pass.collapse_short_edges();
   for (int round = 0; round < kRounds; ++round) {
     pass.flip_towards_delaunay();

@@ -53,7 +53,7 @@ TrackerStep SurfaceTracker::settle(const Field& field) {
       TopologyCounts counts;
       report.topology_seconds += seconds_of([&] { counts = change_topology(field, true); });
       report.topology += counts;
-      if (counts.replaced == 0) break;
+      if (counts.replaced == 0 || round + 1 == kSettlingRounds) break;
       report.remesh_seconds += seconds_of([&] { report.edits += remesh(field); });
     }
   finish(report);
