@@ -47,7 +47,7 @@ void colour(vtkMapper& mapper, const std::optional<Colouring>& colouring) {
   mapper.SetColorModeToMapScalars();
   mapper.SetLookupTable(colouring->table);
   mapper.UseLookupTableScalarRangeOn();
-  mapper.InterpolateScalarsBeforeMappingOn();
+  mapper.SetInterpolateScalarsBeforeMapping(!colouring->table->GetIndexedLookup());
 }
 
 vtkSmartPointer<vtkActor> surface_actor(vtkPolyData& data, const PictureStyle& style) {

@@ -43,6 +43,10 @@ class TrackedSurfaces {
 
   void step(FieldMotion& motion);
 
+  /// Gives every vertex of unknown source that of the nearest particle. One entry a particle; source may be
+  /// empty, and then nothing happens.
+  void find_sources(std::span<const Vec3> position, std::span<const int> source);
+
   const Field& field() const { return *field_; }  ///< at the end of the last step
   const std::vector<SurfaceTracker>& trackers() const { return trackers_; }
   const MaterialTracers& tracers() const { return tracers_; }

@@ -6,6 +6,11 @@
 #include "core/errors.h"
 
 namespace kappaflow {
+
+int heaviest(const VertexBlend& from) {
+  return from.vertex[std::ranges::max_element(from.weight) - from.weight.begin()];
+}
+
 void EdgeEdits::start(TriangleMesh& mesh) {
   mesh_ = &mesh;
   history_.vertices_at_start = static_cast<int>(mesh.vertex_count());
@@ -68,6 +73,7 @@ void EdgeEdits::link(int h, int twin) {
 int EdgeEdits::add_vertex(const VertexBlend& attributes, const Vec3& x) {
   mesh_->position.push_back(x);
   mesh_->rest_position.push_back(blended(mesh_->rest_position, attributes));
+  mesh_->source.push_back(mesh_->source[heaviest(attributes)]);
   mesh_->unprojected.push_back(0);
   mesh_->id.push_back(mesh_->next_id++);
   out_.push_back(-1);

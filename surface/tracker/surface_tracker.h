@@ -1,6 +1,7 @@
 // Carries one explicit mesh along with a moving implicit surface.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -51,6 +52,8 @@ class SurfaceTracker {
   TrackerStep step(FieldMotion& motion);
 
   const TriangleMesh& mesh() const { return mesh_; }
+  /// TriangleMesh::source, for whoever knows the liquid to fill in.
+  std::span<int> source() { return mesh_.source; }
   const VertexRings& rings() const { return rings_; }
   const VelocityMethod& method() const { return method_; }
   const TrackerOptions& options() const { return options_; }
