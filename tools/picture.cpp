@@ -105,6 +105,7 @@ vtkSmartPointer<vtkScalarBarActor> bar_actor(const Colouring& colouring, const P
   bar->UnconstrainedFontSizeOn();
   write_dark(*bar->GetTitleTextProperty(), style.panel_height / 36);
   write_dark(*bar->GetLabelTextProperty(), style.panel_height / 36);
+  write_dark(*bar->GetAnnotationTextProperty(), style.panel_height / 36);
   return bar;
 }
 

@@ -53,7 +53,8 @@ struct TopologyCounts {
 ///
 /// Vertices outside keep place, id and attributes; new ones have new ids and the attributes of the nearest
 /// point of the triangles taken out, or their own place as rest_position and an unknown source where there
-/// were none. Regions are worked on one after the other in a fixed order: results do not depend on the threads.
+/// were none. Regions are worked on one after the other in a fixed order: results do not depend on the
+/// threads.
 class TopologyChange {
  public:
   /// edge_length: of the mesh, > 0 [m]. `facts` must belong to the vertices as they are, projected.
