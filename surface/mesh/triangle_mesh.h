@@ -20,7 +20,7 @@ inline constexpr int kUnknownSource = -1;
 struct TriangleMesh {
   std::vector<Vec3> position;       ///< [m]
   std::vector<Vec3> rest_position;  ///< position in the initial mesh [m]: a seamless 3D texture coordinate
-  std::vector<int> source;  ///< where the liquid under it comes from (a block, an emitter), or kUnknownSource
+  std::vector<int> source;          ///< block or emitter of the liquid under it, or kUnknownSource
   std::vector<char> unprojected;    ///< 1 where the last projection on f = 0 failed
   std::vector<std::int64_t> id;     ///< ascending; of one vertex for as long as it lives, never used again
   std::int64_t next_id = 0;         ///< of the next vertex to be born
