@@ -101,7 +101,7 @@ vtkSmartPointer<vtkLookupTable> colour_table(ValueRange range) {
 /// A colour for each whole number in the range.
 vtkSmartPointer<vtkLookupTable> name_table(ValueRange range) {
   auto table = vtkSmartPointer<vtkLookupTable>::New();
-  for (double name = range[0]; name <= range[1]; ++name)
+  for (double name = std::ceil(range[0]); name <= range[1]; ++name)
     table->SetAnnotation(vtkVariant(name), fmt::format("{}", name));
   vtkNew<vtkColorSeries> palette;
   palette->SetColorScheme(vtkColorSeries::BREWER_QUALITATIVE_SET2);
