@@ -71,6 +71,14 @@ void TrackedSurfaces::step(FieldMotion& motion) {
   field_ = motion.at(motion.t1());
 }
 
+SurfacesSinceFrame TrackedSurfaces::take_since_frame() {
+  SurfacesSinceFrame fresh;
+  fresh.residual_max.assign(trackers_.size(), 0);
+  fresh.topology.assign(trackers_.size(), {});
+  fresh.seconds.assign(trackers_.size(), {});
+  return std::exchange(since_frame_, std::move(fresh));
+}
+
 void TrackedSurfaces::find_sources(std::span<const Vec3> position, std::span<const int> source) {
   if (source.empty()) return;
   for (SurfaceTracker& tracker : trackers_) {
@@ -86,14 +94,6 @@ void TrackedSurfaces::find_sources(std::span<const Vec3> position, std::span<con
     const std::vector<std::uint32_t> nearest = nearest_points(position, place);
     for (std::size_t k = 0; k < unknown.size(); ++k) of_vertex[unknown[k]] = source[nearest[k]];
   }
-}
-
-SurfacesSinceFrame TrackedSurfaces::take_since_frame() {
-  SurfacesSinceFrame fresh;
-  fresh.residual_max.assign(trackers_.size(), 0);
-  fresh.topology.assign(trackers_.size(), {});
-  fresh.seconds.assign(trackers_.size(), {});
-  return std::exchange(since_frame_, std::move(fresh));
 }
 
 }  // namespace kappaflow
