@@ -170,7 +170,8 @@ FluidParticlesAtStart fill_blocks(const Scene& scene) {
   const double spacing = scene.fluid.spacing;
   const WallDistance walls(wall_surfaces(scene));
   FluidParticlesAtStart particles;
-  for (const FluidBlock& block : scene.blocks) {
+  for (std::size_t b = 0; b < scene.blocks.size(); ++b) {
+    const FluidBlock& block = scene.blocks[b];
     const std::vector<Vec3> points = std::visit(
         [&](const auto& shape) {
           return checked_lattice(block, solid_of(shape, block.where), spacing, particles.position.size());
@@ -187,6 +188,7 @@ FluidParticlesAtStart fill_blocks(const Scene& scene) {
           "in an earlier block; allowed: a block with room for one particle");
     particles.velocity.resize(particles.position.size(), block.velocity);
     particles.fluid.resize(particles.position.size(), block.fluid);
+    particles.source.resize(particles.position.size(), static_cast<int>(b));
   }
   for (std::size_t e = 0; e < scene.fluid.emitters.size(); ++e)
     check_nozzle(scene, e, walls, particles.position);

@@ -124,6 +124,7 @@ struct FluidParticlesAtStart {
   std::vector<Vec3> position;  ///< [m]
   std::vector<Vec3> velocity;  ///< [m/s]
   std::vector<std::uint8_t> fluid;
+  std::vector<int> source;  ///< the block's number; those of the emitters follow
 };
 /// Throws InvalidInput for a block without particles, too many particles (those of the emitters included),
 /// ones too far out for single precision, a mesh that is no solid, or an emitter whose nozzle is not free.

@@ -249,6 +249,7 @@ void read_fluid(TomlTable t, Scene& scene) {
   for (TomlTable& table : emitters) {
     scene.emitters_where.push_back(table.where());
     fluid.emitters.push_back(read_emitter(std::move(table), fluids));
+    fluid.emitters.back().source = static_cast<int>(blocks.size() + fluid.emitters.size() - 1);
   }
   if (blocks.empty() && std::ranges::none_of(fluid.emitters, [](const Emitter& e) { return e.start == 0; }))
     throw InvalidInput(t.where(),

@@ -146,7 +146,7 @@ bool Emitters::emit_layer(FluidParticles& particles, std::size_t index, double d
   for (const Vec3& x : nozzle.layer)
     if (std::ranges::none_of(near, [&](const Vec3& other) { return (other - x).norm() < clearance; }))
       particles.add(center + x, nozzle.emitter.speed * direction, nozzle.emitter.fluid,
-                    static_cast<std::uint8_t>(index + 1));
+                    static_cast<std::uint8_t>(index + 1), nozzle.emitter.source);
   return particles.size() > before;
 }
 

@@ -34,6 +34,7 @@ struct Emitter {
   double end = std::numeric_limits<double>::infinity();  ///< when the last one has left it [s]
   std::size_t max_particles = std::numeric_limits<std::size_t>::max();  ///< whole layers within this limit
   std::uint8_t fluid = 0;                                               ///< which fluid, see FluidOptions
+  int source = 0;                                                       ///< of its particles
 };
 
 /// Length of the led stretch before the mouth, in spacings: the kernel's support.

@@ -30,6 +30,7 @@ struct FluidParticles {
   std::vector<float> divergence_pressure;  ///< kappa of the divergence-free solve [m2/s2]
   std::vector<std::uint8_t> fluid;         ///< which of the fluids of FluidOptions it belongs to
   std::vector<std::uint8_t> led_by;        ///< 0: free; k + 1: keeps the velocity of emitter k
+  std::vector<int> source;                 ///< where it comes from, by the caller's numbers
 
   // What follows from the positions: recomputed after every move.
   std::vector<float> density;              ///< over the rest density [1]
@@ -45,17 +46,18 @@ struct FluidParticles {
   /// See core/saved_state.h.
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(id, position, velocity, viscous_change, density_pressure, divergence_pressure, fluid, led_by);
+    archive(id, position, velocity, viscous_change, density_pressure, divergence_pressure, fluid, led_by,
+            source);
   }
 
   std::size_t bytes() const {
     return bytes_of(id, position, velocity, viscous_change, density_pressure, divergence_pressure, fluid,
-                    led_by, density, gradient_sum, gradient_square_sum, scratch[0], scratch[1], scratch[2],
-                    scalar_scratch);
+                    led_by, source, density, gradient_sum, gradient_square_sum, scratch[0], scratch[1],
+                    scratch[2], scalar_scratch);
   }
 
   /// Appends a particle without pressure; its id is the number of those before.
-  void add(const Vec3& x, const Vec3& v, std::uint8_t of_fluid, std::uint8_t emitter) {
+  void add(const Vec3& x, const Vec3& v, std::uint8_t of_fluid, std::uint8_t emitter, int from) {
     id.push_back(static_cast<std::uint32_t>(size()));
     position.push_back(padded(x));
     velocity.push_back(padded(v));
@@ -64,6 +66,7 @@ struct FluidParticles {
     divergence_pressure.push_back(0);
     fluid.push_back(of_fluid);
     led_by.push_back(emitter);
+    source.push_back(from);
   }
 };
 

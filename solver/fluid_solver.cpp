@@ -139,13 +139,14 @@ struct FluidSolver::State {
 
 FluidSolver::FluidSolver(const FluidOptions& options, std::span<const Vec3> position,
                          std::span<const Vec3> velocity, std::span<const TriangleSurface> walls,
-                         std::span<const BodyMotion> motions, std::span<const std::uint8_t> fluid) {
+                         std::span<const BodyMotion> motions, std::span<const std::uint8_t> fluid,
+                         std::span<const int> source) {
   check_options(options);
   const std::vector<SolidDistance> solids(walls.begin(), walls.end());
-  check_start(position, velocity, fluid, 1 + options.more_viscosities.size(), solids);
+  check_start(position, velocity, fluid, 1 + options.more_viscosities.size(), source, solids);
   state_ = std::make_unique<State>(
       options, Walls(wall_bodies(walls, motions, options.spacing), static_cast<float>(options.spacing)));
-  state_->particles = particles_at_start(position, velocity, fluid);
+  state_->particles = particles_at_start(position, velocity, fluid, source);
   state_->emitters.emit(state_->particles, 0);
   if (size() == 0) throw InvalidInput("fluid: there are no particles at the start");
   state_->fastest = fastest_speed(state_->particles);
@@ -345,6 +346,13 @@ std::vector<std::uint8_t> FluidSolver::fluids() const {
   const FluidParticles& p = state_->particles;
   std::vector<std::uint8_t> result(size());
   for (std::size_t i = 0; i < size(); ++i) result[p.id[i]] = p.fluid[i];
+  return result;
+}
+
+std::vector<int> FluidSolver::sources() const {
+  const FluidParticles& p = state_->particles;
+  std::vector<int> result(size());
+  for (std::size_t i = 0; i < size(); ++i) result[p.id[i]] = p.source[i];
   return result;
 }
 

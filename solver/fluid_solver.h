@@ -75,11 +75,12 @@ class FluidSolver {
   /// which emitters make particles. walls: closed, oriented outward from the solid, where they are at t = 0.
   /// motions: of the walls, one each; empty: all at rest. Walls with different motions are solids of their
   /// own: where they meet liquid they should not overlap. Particles that start compressed are moved apart.
-  /// fluid: which of the fluids each particle is of; empty: all of fluid 0. Throws InvalidInput for options
-  /// out of range, particles inside a wall, or when there is no particle at t = 0.
+  /// fluid: which of the fluids each particle is of; empty: all of fluid 0. source: numbers of the caller's
+  /// that stay with the particles; empty: all 0. Throws InvalidInput for options out of range, particles
+  /// inside a wall, or when there is no particle at t = 0.
   FluidSolver(const FluidOptions& options, std::span<const Vec3> position, std::span<const Vec3> velocity,
               std::span<const TriangleSurface> walls, std::span<const BodyMotion> motions = {},
-              std::span<const std::uint8_t> fluid = {});
+              std::span<const std::uint8_t> fluid = {}, std::span<const int> source = {});
   ~FluidSolver();
   FluidSolver(FluidSolver&&) noexcept;
   FluidSolver& operator=(FluidSolver&&) noexcept;
@@ -97,6 +98,7 @@ class FluidSolver {
   std::vector<float> densities() const;      ///< by id [kg/m3]
   std::vector<float> pressures() const;      ///< by id [Pa]
   std::vector<std::uint8_t> fluids() const;  ///< by id, which fluid
+  std::vector<int> sources() const;          ///< by id, as given, or of the emitter
 
   /// See core/saved_state.h; for a solver that was made with the same arguments.
   template <class Archive>

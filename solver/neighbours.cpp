@@ -99,6 +99,7 @@ void NeighbourSearch::sort(FluidParticles& particles) {
   for (auto* array : {&particles.density_pressure, &particles.divergence_pressure})
     permute(*array, particles.scalar_scratch);
   for (auto* array : {&particles.fluid, &particles.led_by}) permute(*array, byte_buffer_);
+  permute(particles.source, source_buffer_);
 }
 
 void NeighbourSearch::find_in_chunk(std::size_t chunk, const FluidParticles& particles,

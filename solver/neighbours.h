@@ -63,7 +63,7 @@ class NeighbourSearch {
   /// sort().
   void find(FluidParticles& particles, NeighbourLists& lists);
 
-  std::size_t bytes() const { return grid_.bytes() + bytes_of(id_buffer_, byte_buffer_); }
+  std::size_t bytes() const { return grid_.bytes() + bytes_of(id_buffer_, byte_buffer_, source_buffer_); }
 
  private:
   static constexpr std::size_t kChunk = 128;    // particles whose neighbours one task finds
@@ -100,6 +100,7 @@ class NeighbourSearch {
   tbb::enumerable_thread_specific<Scratch> scratch_;
   std::vector<std::uint32_t> id_buffer_;
   std::vector<std::uint8_t> byte_buffer_;
+  std::vector<int> source_buffer_;
 };
 
 }  // namespace kappaflow

@@ -55,12 +55,14 @@ void check_options(const FluidOptions& o) {
 }
 
 void check_start(std::span<const Vec3> position, std::span<const Vec3> velocity,
-                 std::span<const std::uint8_t> fluid, std::size_t fluids,
+                 std::span<const std::uint8_t> fluid, std::size_t fluids, std::span<const int> source,
                  std::span<const SolidDistance> solids) {
   require(position.size() == velocity.size(),
           fmt::format("{} positions but {} velocities", position.size(), velocity.size()));
   require(fluid.empty() || fluid.size() == position.size(),
           fmt::format("{} positions but fluids of {} particles", position.size(), fluid.size()));
+  require(source.empty() || source.size() == position.size(),
+          fmt::format("{} positions but sources of {} particles", position.size(), source.size()));
   for (const std::uint8_t index : fluid)
     require(index < fluids, fmt::format("a particle is of fluid {}; there are {}", index, fluids));
   for (std::size_t i = 0; i < position.size(); ++i) {
@@ -73,10 +75,11 @@ void check_start(std::span<const Vec3> position, std::span<const Vec3> velocity,
 }
 
 FluidParticles particles_at_start(std::span<const Vec3> position, std::span<const Vec3> velocity,
-                                  std::span<const std::uint8_t> fluid) {
+                                  std::span<const std::uint8_t> fluid, std::span<const int> source) {
   FluidParticles particles;
   for (std::size_t i = 0; i < position.size(); ++i)
-    particles.add(position[i], velocity[i], fluid.empty() ? std::uint8_t{0} : fluid[i], 0);
+    particles.add(position[i], velocity[i], fluid.empty() ? std::uint8_t{0} : fluid[i], 0,
+                  source.empty() ? 0 : source[i]);
   return particles;
 }
 

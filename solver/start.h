@@ -17,11 +17,11 @@ void check_options(const FluidOptions& options);
 /// Throws InvalidInput for arrays of different length, a number that is not finite, a particle inside one of
 /// the solids, or a fluid that is not one of the `fluids`.
 void check_start(std::span<const Vec3> position, std::span<const Vec3> velocity,
-                 std::span<const std::uint8_t> fluid, std::size_t fluids,
+                 std::span<const std::uint8_t> fluid, std::size_t fluids, std::span<const int> source,
                  std::span<const SolidDistance> solids);
 
-/// Particles in the given order, ids 0, 1, ...; pressures zero. fluid: empty where all are of fluid 0.
+/// Particles in the given order, ids 0, 1, ...; pressures zero. fluid, source: empty where all are 0.
 FluidParticles particles_at_start(std::span<const Vec3> position, std::span<const Vec3> velocity,
-                                  std::span<const std::uint8_t> fluid = {});
+                                  std::span<const std::uint8_t> fluid = {}, std::span<const int> source = {});
 
 }  // namespace kappaflow

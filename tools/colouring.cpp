@@ -1,8 +1,10 @@
 #include "tools/colouring.h"
 
 #include <fmt/format.h>
+#include <vtkColorSeries.h>
 #include <vtkColorTransferFunction.h>
 #include <vtkDataArray.h>
+#include <vtkIntArray.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
 
@@ -20,6 +22,7 @@ namespace {
 
 constexpr double kLeftOut = 0.01;  // share of the values at either end
 constexpr int kColours = 256;
+constexpr int kMostNames = 8;  // as many as the palette has colours
 
 std::string names_of_arrays(vtkPolyData& surface) {
   std::vector<std::string> names;
@@ -36,6 +39,11 @@ vtkDataArray& array_of(vtkPolyData& surface, const std::string& name) {
     throw InvalidInput(
         fmt::format("the surface has no array \"{}\"; it has {}", name, names_of_arrays(surface)));
   return *array;
+}
+
+/// Whether the array's whole numbers are names of something, such as sources: nothing lies between them.
+bool has_names(vtkDataArray& array) {
+  return vtkIntArray::SafeDownCast(&array) != nullptr && array.GetNumberOfComponents() == 1;
 }
 
 double length_at(vtkDataArray& array, vtkIdType vertex) {
@@ -90,6 +98,18 @@ vtkSmartPointer<vtkLookupTable> colour_table(ValueRange range) {
   return table;
 }
 
+/// A colour for each whole number in the range.
+vtkSmartPointer<vtkLookupTable> name_table(ValueRange range) {
+  auto table = vtkSmartPointer<vtkLookupTable>::New();
+  for (double name = std::ceil(range[0]); name <= range[1]; ++name)
+    table->SetAnnotation(vtkVariant(name), fmt::format("{}", name));
+  vtkNew<vtkColorSeries> palette;
+  palette->SetColorScheme(vtkColorSeries::BREWER_QUALITATIVE_SET2);
+  palette->BuildLookupTable(table, vtkColorSeries::CATEGORICAL);
+  table->SetNanColor(0.6, 0.6, 0.6, 1);
+  return table;
+}
+
 }  // namespace
 
 ValueRange value_range(vtkPolyData& surface, const std::string& name) {
@@ -100,11 +120,14 @@ ValueRange value_range(vtkPolyData& surface, const std::string& name) {
     values[v] = array.GetNumberOfComponents() == 1 ? array.GetComponent(vertex, 0) : length_at(array, vertex);
   }
   if (values.empty()) return {0, 0};
-  return {quantile(values, kLeftOut), quantile(values, 1 - kLeftOut)};
+  const double left_out = has_names(array) ? 0 : kLeftOut;
+  return {quantile(values, left_out), quantile(values, 1 - left_out)};
 }
 
 Colouring colouring(vtkPolyData& surface, const std::string& name, ValueRange range) {
-  const bool vectors = array_of(surface, name).GetNumberOfComponents() > 1;
+  vtkDataArray& array = array_of(surface, name);
+  const bool vectors = array.GetNumberOfComponents() > 1;
+  if (has_names(array) && range[1] - range[0] < kMostNames) return {name, name, name_table(range)};
   if (!(range[1] > range[0])) range[1] = range[0] + 1;  // an array with one value throughout
   Colouring result{name, title_of(name, vectors), colour_table(range)};
   if (vectors) result.table->SetVectorModeToMagnitude();

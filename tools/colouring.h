@@ -23,12 +23,13 @@ struct Colouring {
 using ValueRange = std::array<double, 2>;
 
 /// The range that all but 2 % of the vertices lie in: from the 1st to the 99th percentile of the array's
-/// values, or of the lengths of its vectors. Throws InvalidInput that lists the surface's arrays where it has
-/// none of that name.
+/// values, or of the lengths of its vectors; of names (see colouring()) all. Throws InvalidInput that lists
+/// the surface's arrays where it has none of that name.
 ValueRange value_range(vtkPolyData& surface, const std::string& array);
 
-/// From blue over white at 0 to red where the range has both signs, else from dark blue to yellow. surface:
-/// any that has the array. Throws InvalidInput as value_range() does.
+/// From blue over white at 0 to red where the range has both signs, else from dark blue to yellow. Arrays of
+/// type Int32 are names: up to 8 in the range have colours of their own, and those beyond it are grey.
+/// surface: any that has the array. Throws InvalidInput as value_range() does.
 Colouring colouring(vtkPolyData& surface, const std::string& array, ValueRange range);
 
 }  // namespace kappaflow

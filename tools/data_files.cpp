@@ -15,6 +15,8 @@
 #include <vtkXMLPolyDataReader.h>
 #include <vtkXMLPolyDataWriter.h>
 
+#include <algorithm>
+
 #include "core/errors.h"
 #include "tools/files.h"
 
@@ -68,6 +70,10 @@ void set_time(vtkPolyData& data, double time) {
       make_array<vtkDoubleArray>("TimeValue", 1, 1, [&](std::size_t) { return time; }));
 }
 
+bool has_sources(const TriangleMesh& mesh) {
+  return std::ranges::any_of(mesh.source, [](int s) { return s != kUnknownSource; });
+}
+
 // VTK prints its errors on the terminal unless somebody listens; ours go into an IoError.
 class ErrorListener final : public vtkCommand {
  public:
@@ -91,6 +97,7 @@ vtkSmartPointer<vtkPolyData> particle_data(const ParticleFrame& frame) {
   arrays.AddArray(make_array("velocity", 3, particles.velocity));
   if (!frame.density.empty()) arrays.AddArray(make_array("density", 1, frame.density));
   if (!frame.pressure.empty()) arrays.AddArray(make_array("pressure", 1, frame.pressure));
+  if (!frame.source.empty()) arrays.AddArray(make_array<vtkIntArray>("source", 1, frame.source));
   if (!frame.weight.empty()) {
     arrays.AddArray(make_array<vtkDoubleArray>("weight", 1, frame.weight));
     arrays.AddArray(
@@ -114,6 +121,7 @@ vtkSmartPointer<vtkPolyData> surface_data(const SurfaceFrame& frame) {
   arrays.AddArray(make_array("gaussian_curvature", 1, state.gaussian_curvature));
   arrays.AddArray(make_array("confidence", 1, state.motion.confidence));
   arrays.AddArray(make_array<vtkDoubleArray>("rest_position", 3, frame.mesh.rest_position));
+  if (has_sources(frame.mesh)) arrays.AddArray(make_array<vtkIntArray>("source", 1, frame.mesh.source));
   arrays.AddArray(make_array<vtkTypeInt64Array>("id", 1, frame.mesh.id));
   arrays.AddArray(make_array<vtkUnsignedCharArray>("checker", 3, frame.checker));
   if (!state.material_slip.empty()) arrays.AddArray(make_array("material_slip", 1, state.material_slip));

@@ -20,12 +20,13 @@ struct ParticleFrame {
   const Particles& particles;
   std::span<const float> density;   ///< [kg/m3]; may be empty
   std::span<const float> pressure;  ///< [Pa]; may be empty
+  std::span<const int> source;      ///< which block or emitter it comes from; may be empty
   std::span<const double> weight;   ///< w_i of Eq. 12; may be empty
   double sigma;                     ///< support radius of Eq. 12 [m]; of no account without weights
 };
 
-/// Point arrays velocity, density, pressure, id, weight and sigma (the last two let `kappaflow probe` read
-/// the file); every particle is a vertex cell, so that ParaView shows it.
+/// Point arrays velocity, density, pressure, source, id, weight and sigma (the last two let `kappaflow probe`
+/// read the file); every particle is a vertex cell, so that ParaView shows it.
 vtkSmartPointer<vtkPolyData> particle_data(const ParticleFrame& frame);
 
 /// What one surface file holds; one entry a vertex in every array.
@@ -38,8 +39,8 @@ struct SurfaceFrame {
 };
 
 /// Point arrays Normals and TCoords (both active), velocity, mean_curvature, gaussian_curvature, confidence,
-/// rest_position, id (of a vertex for as long as it lives), checker, material_slip (where the material
-/// velocity is known) and unprojected.
+/// rest_position, source (where that of any vertex is known), id (of a vertex for as long as it lives),
+/// checker, material_slip (where the material velocity is known) and unprojected.
 vtkSmartPointer<vtkPolyData> surface_data(const SurfaceFrame& frame);
 
 /// All walls as one surface; cell array wall = index of the wall.

@@ -7,6 +7,7 @@
 #include <cctype>
 #include <cmath>
 #include <initializer_list>
+#include <limits>
 #include <string_view>
 
 #include "core/errors.h"
@@ -80,6 +81,18 @@ void copy_scalar(const PointArray* array, const std::vector<std::size_t>& chosen
   for (const std::size_t i : chosen) values.push_back(static_cast<float>(array->values[i]));
 }
 
+/// Nothing where one of them is no whole number: then the array is something else, say a source of heat.
+void copy_names(const PointArray* array, const std::vector<std::size_t>& chosen, std::vector<int>& names) {
+  constexpr double kLargest = std::numeric_limits<int>::max();
+  if (array == nullptr) return;
+  const auto is_name = [&](std::size_t i) {
+    const double x = array->values[i];
+    return x == std::floor(x) && std::abs(x) <= kLargest;
+  };
+  if (!std::ranges::all_of(chosen, is_name)) return;
+  for (const std::size_t i : chosen) names.push_back(static_cast<int>(array->values[i]));
+}
+
 /// An array that goes by the name of ids or velocities and cannot be them is a mistake, not another quantity.
 void check_components(const std::vector<PointArray>& arrays, std::initializer_list<std::string_view> names,
                       std::size_t components, const fs::path& file) {
@@ -108,6 +121,7 @@ InputFrame frame_from_points(const PointData& points, const fs::path& file) {
   }
   copy_scalar(find_array(arrays, {"density", "rho", "rhop"}, 1), chosen, frame.density);
   copy_scalar(find_array(arrays, {"pressure", "press", "p"}, 1), chosen, frame.pressure);
+  copy_names(find_array(arrays, {"source"}, 1), chosen, frame.source);
   if (const PointArray* time = find_array(points.fields, {"timevalue", "time"}, 1);
       time != nullptr && !time->values.empty())
     frame.time = time->values[0];

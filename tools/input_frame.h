@@ -18,6 +18,7 @@ struct InputFrame {
   std::vector<Vec3> velocity;          ///< [m/s], finite
   std::vector<float> density;          ///< [kg/m3]
   std::vector<float> pressure;         ///< [Pa]
+  std::vector<int> source;             ///< where it comes from
   std::optional<double> time;          ///< [s], where the file says it
   std::string id_name, velocity_name;  ///< what the file calls them; empty where it lacks them
   std::size_t left_out = 0;            ///< particles of walls, and copies that belong to other processors
@@ -29,9 +30,9 @@ struct InputFrame {
 ///   .bgeo      Partio's, version 5 (SPlisHSPlasH): id, velocity or v, density, pressure
 ///   .csv       with the header x,y,z or id,x,y,z and perhaps ,vx,vy,vz
 /// VTK's arrays are known by these names, in upper or lower case: id, ids, idp, gid, particle_id;
-/// velocity, vel, v (3 components) or u, v, w or vx, vy, vz; density, rho, rhop; pressure, press, p; the
-/// field array TimeValue or time. DualSPHysics' particles of walls (beside Idp a Type other than 3) are left
-/// out, as are PySPH's remote and ghost particles (tag not 0).
+/// velocity, vel, v (3 components) or u, v, w or vx, vy, vz; density, rho, rhop; pressure, press, p; source
+/// (only where all are whole numbers); the field array TimeValue or time. DualSPHysics' particles of walls
+/// (beside Idp a Type other than 3) are left out, as are PySPH's remote and ghost particles (tag not 0).
 /// Throws IoError (not readable, not complete), InvalidInput (no particles, a number that is not finite).
 InputFrame read_input_frame(const std::filesystem::path& file);
 

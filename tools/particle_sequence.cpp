@@ -218,7 +218,8 @@ SequenceFrame ParticleSequence::frame(std::size_t frame) {
   if (matched_) order = order_by_id(now.id);
   SequenceFrame result{{time(frame), {}, ordered(now.position, order), ordered(now.velocity, order)},
                        ordered(now.density, order),
-                       ordered(now.pressure, order)};
+                       ordered(now.pressure, order),
+                       ordered(now.source, order)};
   Particles& particles = result.particles;
   particles.id = ordered(now.id, order);
   if (!matched_) {

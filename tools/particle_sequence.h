@@ -17,6 +17,7 @@ namespace kappaflow {
 struct SequenceFrame {
   Particles particles;                   ///< sorted by id
   std::vector<float> density, pressure;  ///< as InputFrame has them; empty where unknown
+  std::vector<int> source;               ///< likewise
 };
 
 /// A series of particle files, checked when it is opened and read again frame by frame.

@@ -47,7 +47,7 @@ void colour(vtkMapper& mapper, const std::optional<Colouring>& colouring) {
   mapper.SetColorModeToMapScalars();
   mapper.SetLookupTable(colouring->table);
   mapper.UseLookupTableScalarRangeOn();
-  mapper.InterpolateScalarsBeforeMappingOn();
+  mapper.SetInterpolateScalarsBeforeMapping(!colouring->table->GetIndexedLookup());
 }
 
 vtkSmartPointer<vtkActor> surface_actor(vtkPolyData& data, const PictureStyle& style) {
@@ -105,6 +105,7 @@ vtkSmartPointer<vtkScalarBarActor> bar_actor(const Colouring& colouring, const P
   bar->UnconstrainedFontSizeOn();
   write_dark(*bar->GetTitleTextProperty(), style.panel_height / 36);
   write_dark(*bar->GetLabelTextProperty(), style.panel_height / 36);
+  write_dark(*bar->GetAnnotationTextProperty(), style.panel_height / 36);
   return bar;
 }
 

@@ -28,7 +28,8 @@ void RunWriter::write(int frame, double time, const SinceFrame& since_frame, Run
                            pressure = simulation_.fluid().pressures();
   const std::vector<double> weight = field_weights(particles.position, options.sigma, options.weights);
   writer_.write(liquid_metrics(frame, time, density, since_frame),
-                {particles, density, pressure, weight, options.sigma}, since_frame.surfaces, watch, summary);
+                {particles, density, pressure, simulation_.fluid().sources(), weight, options.sigma},
+                since_frame.surfaces, watch, summary);
 }
 
 FrameMetrics RunWriter::liquid_metrics(int frame, double time, std::span<const float> density,

@@ -94,7 +94,8 @@ std::string SceneRun::written_particles() const {
   const FluidSolver& fluid = simulation_.fluid();
   const std::filesystem::path file = folder_.path() / kFailureFile;
   try {
-    write_vtp(file, *particle_data({fluid.particles(), fluid.densities(), fluid.pressures(), {}, 0}));
+    write_vtp(file, *particle_data(
+                        {fluid.particles(), fluid.densities(), fluid.pressures(), fluid.sources(), {}, 0}));
   } catch (const IoError& error) {
     return fmt::format("its particles are lost: {}", error.what());
   }

@@ -14,7 +14,7 @@ constexpr double kTimeTolerance = 1e-12;
 
 FluidSolver make_fluid(const Scene& scene, std::span<const TriangleSurface> walls) {
   const FluidParticlesAtStart start = fill_blocks(scene);
-  return {scene.fluid, start.position, start.velocity, walls, wall_motions(scene), start.fluid};
+  return {scene.fluid, start.position, start.velocity, walls, wall_motions(scene), start.fluid, start.source};
 }
 
 /// A cube of liquid of which more than half is further than sigma from the faces. The liquid with which an
@@ -38,7 +38,9 @@ Simulation::Simulation(const Scene& scene)
       fluid_(make_fluid(scene, walls_)),
       particles_(fluid_.particles()),
       surfaces_(make_surfaces(scene, particles_)),
-      stride_(scene.surface.stride) {}
+      stride_(scene.surface.stride) {
+  find_sources();
+}
 
 bool Simulation::advance(double time, const Watch& watch) {
   while (time - fluid_.time() > kTimeTolerance) {
@@ -52,6 +54,7 @@ bool Simulation::advance(double time, const Watch& watch) {
   }
   if (untracked_ > 0) step_surfaces();
   surfaces_.settle();
+  find_sources();
   return true;
 }
 
@@ -61,6 +64,10 @@ void Simulation::step_surfaces() {
   surfaces_.step(motion);
   particles_ = std::move(now);
   untracked_ = 0;
+}
+
+void Simulation::find_sources() {
+  surfaces_.find_sources(particles_.position, fluid_.sources());
 }
 
 SinceFrame Simulation::take_since_frame() {

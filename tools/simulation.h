@@ -31,8 +31,9 @@ class Simulation {
   /// Called after every solver step; returns whether to go on.
   using Watch = std::function<bool(const FluidStep&)>;
 
-  /// Advances liquid and surfaces to `time` [s]. Returns false when `watch` stopped it on the way; the
-  /// surfaces may then lag behind, and another call with the same time goes on as if it had not been.
+  /// Advances liquid and surfaces to `time` [s], where every vertex has a source. Returns false when `watch`
+  /// stopped it on the way; the surfaces may then lag behind, and another call with the same time goes on as
+  /// if it had not been.
   bool advance(double time, const Watch& watch);
 
   const FluidSolver& fluid() const { return fluid_; }
@@ -53,6 +54,7 @@ class Simulation {
 
  private:
   void step_surfaces();
+  void find_sources();
 
   std::vector<TriangleSurface> walls_;
   FluidSolver fluid_;

@@ -133,12 +133,13 @@ bool advance(TrackedSurfaces& surfaces, ParticleMotion& motion, int steps, const
 void write_frame(FrameWriter& writer, RunFolder& folder, int number, const SequenceFrame& frame,
                  TrackedSurfaces& surfaces, RunSummary& summary) {
   const Stopwatch watch;
+  surfaces.find_sources(frame.particles.position, frame.source);
   const ParticleFieldOptions& field = surfaces.field_options();
   const std::vector<double> weight = field_weights(frame.particles.position, field.sigma, field.weights);
   FrameMetrics metrics;
   metrics.frame = number;
   metrics.time = frame.particles.time;
-  writer.write(metrics, {frame.particles, frame.density, frame.pressure, weight, field.sigma},
+  writer.write(metrics, {frame.particles, frame.density, frame.pressure, frame.source, weight, field.sigma},
                surfaces.take_since_frame(), watch, summary);
   folder.flush();
 }

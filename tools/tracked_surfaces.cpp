@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/errors.h"
+#include "core/nearest_points.h"
 #include "surface/tracker/initial_mesh.h"
 
 namespace kappaflow {
@@ -81,6 +82,23 @@ SurfacesSinceFrame TrackedSurfaces::take_since_frame() {
   fresh.topology.assign(trackers_.size(), {});
   fresh.seconds.assign(trackers_.size(), {});
   return std::exchange(since_frame_, std::move(fresh));
+}
+
+void TrackedSurfaces::find_sources(std::span<const Vec3> position, std::span<const int> source) {
+  if (source.empty()) return;
+  for (SurfaceTracker& tracker : trackers_) {
+    const std::span<int> of_vertex = tracker.source();
+    std::vector<std::size_t> unknown;
+    std::vector<Vec3> place;
+    for (std::size_t v = 0; v < of_vertex.size(); ++v) {
+      if (of_vertex[v] != kUnknownSource) continue;
+      unknown.push_back(v);
+      place.push_back(tracker.mesh().position[v]);
+    }
+    if (unknown.empty()) continue;
+    const std::vector<std::uint32_t> nearest = nearest_points(position, place);
+    for (std::size_t k = 0; k < unknown.size(); ++k) of_vertex[unknown[k]] = source[nearest[k]];
+  }
 }
 
 }  // namespace kappaflow

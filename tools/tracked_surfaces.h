@@ -50,6 +50,10 @@ class TrackedSurfaces {
   const MaterialTracers& tracers() const { return tracers_; }
   const ParticleFieldOptions& field_options() const { return options_; }
 
+  /// Gives every vertex of unknown source that of the nearest particle. One entry a particle; source may be
+  /// empty, and then nothing happens.
+  void find_sources(std::span<const Vec3> position, std::span<const int> source);
+
   /// Hands out what happened since the last call, and starts anew.
   SurfacesSinceFrame take_since_frame();
 

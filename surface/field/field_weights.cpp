@@ -1,9 +1,9 @@
 // Weights, threshold and support radius of Eq. 12 from the particles' places.
 #include <algorithm>
-#include <nanoflann.hpp>
 #include <numbers>
 
 #include "core/errors.h"
+#include "core/point_tree.h"
 #include "core/quantile.h"
 #include "surface/field/particle_field.h"
 
@@ -26,22 +26,9 @@ std::vector<double> kernel_sums(std::span<const Vec3> position, std::span<const 
   return sum;
 }
 
-/// As nanoflann wants points.
-struct PointCloud {
-  std::span<const Vec3> points;
-  std::size_t kdtree_get_point_count() const { return points.size(); }
-  double kdtree_get_pt(std::size_t i, std::size_t axis) const { return points[i][static_cast<int>(axis)]; }
-  template <class Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
-};
-
 double median_nearest_distance(std::span<const Vec3> position) {
-  using Tree =
-      nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, PointCloud>, PointCloud, 3>;
   const PointCloud cloud{position};
-  const Tree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(10));
+  const PointTree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(10));
   std::vector<double> distance2(position.size());
   parallel_for(position.size(), [&](std::size_t i) {
     std::array<std::uint32_t, 2> index;  // of the particle itself and its nearest neighbour

@@ -4,8 +4,14 @@
 #include <numeric>
 
 #include "core/errors.h"
+#include "core/parallel.h"
 
 namespace kappaflow {
+
+int heaviest(const VertexBlend& from) {
+  return from.vertex[std::ranges::max_element(from.weight) - from.weight.begin()];
+}
+
 void EdgeEdits::start(TriangleMesh& mesh) {
   mesh_ = &mesh;
   history_.vertices_at_start = static_cast<int>(mesh.vertex_count());
@@ -28,14 +34,16 @@ void EdgeEdits::set_twins() {
   }
   // start_[v + 1] has moved down to where the half-edges of v begin.
   twin_.resize(n);
-  for (int h = 0; h < n; ++h) {
-    const int v = end(h), last = v + 2 < static_cast<int>(start_.size()) ? start_[v + 2] : n;
+  parallel_for(twin_.size(), [&](std::size_t i) {
+    const int h = static_cast<int>(i), v = end(h),
+              last = v + 2 < static_cast<int>(start_.size()) ? start_[v + 2] : n;
     const auto* const found = std::find_if(outgoing_.data() + start_[v + 1], outgoing_.data() + last,
                                            [&](int other) { return end(other) == origin(h); });
-    if (found == outgoing_.data() + last)
-      throw TopologyError(mesh_->position[v], "a mesh to be edited is not closed here");
-    twin_[h] = *found;
-  }
+    twin_[h] = found == outgoing_.data() + last ? -1 : *found;
+  });
+  if (const auto open = std::ranges::find(twin_, -1); open != twin_.end())
+    throw TopologyError(mesh_->position[end(static_cast<int>(open - twin_.begin()))],
+                        "a mesh to be edited is not closed here");
 }
 
 void EdgeEdits::finish() {
@@ -68,6 +76,7 @@ void EdgeEdits::link(int h, int twin) {
 int EdgeEdits::add_vertex(const VertexBlend& attributes, const Vec3& x) {
   mesh_->position.push_back(x);
   mesh_->rest_position.push_back(blended(mesh_->rest_position, attributes));
+  mesh_->source.push_back(mesh_->source[heaviest(attributes)]);
   mesh_->unprojected.push_back(0);
   mesh_->id.push_back(mesh_->next_id++);
   out_.push_back(-1);

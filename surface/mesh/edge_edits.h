@@ -24,6 +24,9 @@ T blended(const std::vector<T>& values, const VertexBlend& from) {
          from.weight[2] * values[from.vertex[2]];
 }
 
+/// The vertex with the largest weight, of several the first: for attributes that are names, not numbers.
+int heaviest(const VertexBlend& from);
+
 /// The one gate through which the connectivity of a mesh changes. It refuses what would leave the mesh not a
 /// closed oriented 2-manifold of the same topology; whether an edit is good for the shape is the caller's
 /// question. Vertices that an edit does not make or remove keep their id and attributes.

@@ -8,6 +8,7 @@ namespace kappaflow {
 TriangleMesh make_triangle_mesh(std::vector<Vec3> position, std::vector<Triangle> triangles) {
   TriangleMesh mesh;
   mesh.rest_position = position;
+  mesh.source.assign(position.size(), kUnknownSource);
   mesh.unprojected.assign(position.size(), 0);
   mesh.id.resize(position.size());
   std::iota(mesh.id.begin(), mesh.id.end(), std::int64_t{0});
@@ -30,6 +31,7 @@ void remove_dead(std::span<const char> alive, TriangleMesh& mesh, VertexHistory&
   }
   history.keep(mesh.position);
   history.keep(mesh.rest_position);
+  history.keep(mesh.source);
   history.keep(mesh.unprojected);
   history.keep(mesh.id);
   std::erase(mesh.triangles, kRemovedTriangle);

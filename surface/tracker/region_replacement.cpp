@@ -338,6 +338,7 @@ void RegionReplacement::commit(const LatticeBlock& block) {
   for (std::size_t i = 0; i < born; ++i) {
     const Vec3& x = mesh_.position[first_new_ + i];
     mesh_.rest_position.push_back(source.empty() ? x : blended(mesh_.rest_position, source[i]));
+    mesh_.source.push_back(source.empty() ? kUnknownSource : mesh_.source[heaviest(source[i])]);
     facts_.mobility.push_back(source.empty() ? 1 : blended(facts_.mobility, source[i]));
     mesh_.unprojected.push_back(!exact_[i]);
     mesh_.id.push_back(mesh_.next_id++);

@@ -99,7 +99,9 @@ class RemeshPass {
   bool collapse_either_way(int h, bool repair);
   bool may_collapse(int h, bool repair);
   bool leaves_surface(int h) const;
+  bool is_delaunay(int h) const;
   bool flip(int h);
+  bool is_sharp(int triangle) const;
   bool replace_a_corner(int triangle);
   std::optional<Vec3> better_place(int v, double& sharp) const;
   VertexBlend blend_around(int v, const Vec3& x) const;
@@ -150,14 +152,18 @@ void RemeshPass::set_targets(const VertexRings& rings) {
 /// Candidates are the edges (u, v), u < v, that choose(size) takes.
 template <class Choose>
 void RemeshPass::collect_edges(const Choose& choose) {
+  s_.size_.resize(edits_.half_edges());
+  parallel_for(s_.size_.size(), [&](std::size_t i) {
+    const int h = static_cast<int>(i);
+    const bool counts_once = !edits_.is_removed(h) && edits_.origin(h) < edits_.end(h);
+    s_.size_[h] = counts_once ? (at(edits_.end(h)) - at(edits_.origin(h))).norm() /
+                                    aimed_at(edits_.origin(h), edits_.end(h))
+                              : 0;
+  });
   s_.candidates_.clear();
-  for (int h = 0; h < edits_.half_edges(); ++h) {
-    if (edits_.is_removed(h)) continue;
-    const int u = edits_.origin(h), v = edits_.end(h);
-    if (u > v) continue;
-    const double size = (at(u) - at(v)).norm() / aimed_at(u, v);
-    if (choose(size)) s_.candidates_.push_back({size, u, v});
-  }
+  for (int h = 0; h < edits_.half_edges(); ++h)
+    if (s_.size_[h] > 0 && choose(s_.size_[h]))
+      s_.candidates_.push_back({s_.size_[h], edits_.origin(h), edits_.end(h)});
 }
 
 void RemeshPass::project_midpoints() {
@@ -184,15 +190,16 @@ void RemeshPass::split_long_edges() {
 /// Puts vertices where triangles are off the surface, at tips, at rims and in valleys narrower than they, and
 /// where those are that come of it.
 void RemeshPass::refine_off_surface() {
-  std::vector<int> suspects(mesh_.triangles.size());
+  std::vector<int>& suspects = s_.suspects_;
+  std::vector<char>& off = s_.flag_;
+  suspects.resize(mesh_.triangles.size());
   std::iota(suspects.begin(), suspects.end(), 0);
   for (int round = 0; round < kRounds && !suspects.empty(); ++round) {
-    std::vector<char> off(suspects.size());
+    off.resize(suspects.size());
     parallel_for(off.size(), [&](std::size_t i) { off[i] = is_off_surface(mesh_.triangles[suspects[i]]); });
     const int first_new = static_cast<int>(mesh_.vertex_count());
-    for (std::size_t i = 0; i < off.size(); ++i)
-      if (off[i] && is_off_surface(mesh_.triangles[suspects[i]]))
-        refine(suspects[i]);  // edits may have helped
+    for (std::size_t i = 0; i < off.size(); ++i)  // an edit before may have mended it
+      if (off[i] && is_off_surface(mesh_.triangles[suspects[i]])) refine(suspects[i]);
     suspects.clear();
     for (int v = first_new; v < static_cast<int>(mesh_.vertex_count()); ++v)
       edits_.for_each_out(v, [&](int out) { suspects.push_back(out / 3); });
@@ -342,9 +349,14 @@ Worst RemeshPass::fan_moved(int v, const Vec3& x, const Vec3& n) const {
 
 /// Lawson's flips; the smallest angle grows with each, so that they end.
 void RemeshPass::flip_towards_delaunay() {
+  s_.flag_.resize(edits_.half_edges());
+  parallel_for(s_.flag_.size(), [&](std::size_t i) {
+    const int h = static_cast<int>(i);
+    s_.flag_[h] = !edits_.is_removed(h) && h < edits_.twin(h) && !is_delaunay(h);
+  });
   s_.pending_.clear();
   for (int h = edits_.half_edges() - 1; h >= 0; --h)
-    if (!edits_.is_removed(h) && h < edits_.twin(h)) s_.pending_.push_back(h);
+    if (s_.flag_[h]) s_.pending_.push_back(h);
   while (!s_.pending_.empty()) {
     const int h = s_.pending_.back();
     s_.pending_.pop_back();
@@ -354,10 +366,15 @@ void RemeshPass::flip_towards_delaunay() {
   }
 }
 
-bool RemeshPass::flip(int h) {
+/// Not where the opposite angles sum to more than pi.
+bool RemeshPass::is_delaunay(int h) const {
   const int u = edits_.origin(h), v = edits_.end(h), a = edits_.apex(h), b = edits_.apex(edits_.twin(h));
-  // Not Delaunay where the opposite angles sum to more than pi.
-  if (!(cotangent(at(a), at(u), at(v)) + cotangent(at(b), at(u), at(v)) < -kFlipMargin)) return false;
+  return !(cotangent(at(a), at(u), at(v)) + cotangent(at(b), at(u), at(v)) < -kFlipMargin);
+}
+
+bool RemeshPass::flip(int h) {
+  if (is_delaunay(h)) return false;
+  const int u = edits_.origin(h), v = edits_.end(h), a = edits_.apex(h), b = edits_.apex(edits_.twin(h));
   Worst before, after;
   add_to(before, u, v, a);
   add_to(before, v, u, b);
@@ -373,14 +390,18 @@ bool RemeshPass::flip(int h) {
   return true;
 }
 
+bool RemeshPass::is_sharp(int triangle) const {
+  const auto& [a, b, c] = mesh_.triangles[triangle];
+  return a >= 0 && sharpness(at(a), at(b), at(c)) > kSharp;
+}
+
 /// Returns whether an edit was made.
 bool RemeshPass::repair_sharp_triangles() {
   bool repaired = false;
-  const int triangles = edits_.half_edges() / 3;
-  for (int t = 0; t < triangles; ++t) {
-    if (edits_.is_removed(3 * t)) continue;
-    const auto& [a, b, c] = mesh_.triangles[t];
-    if (sharpness(at(a), at(b), at(c)) <= kSharp) continue;
+  s_.flag_.resize(edits_.half_edges() / 3);
+  parallel_for(s_.flag_.size(), [&](std::size_t t) { s_.flag_[t] = is_sharp(static_cast<int>(t)); });
+  for (int t = 0; t < static_cast<int>(s_.flag_.size()); ++t) {
+    if (!s_.flag_[t] || !is_sharp(t)) continue;  // an edit before may have mended it
     int shortest = 3 * t;
     for (const int h : {3 * t + 1, 3 * t + 2})
       if ((at(edits_.end(h)) - at(edits_.origin(h))).squaredNorm() <

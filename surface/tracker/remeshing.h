@@ -41,15 +41,15 @@ struct VertexFacts {
 };
 
 /// Remeshing after Botsch & Kobbelt, "A remeshing approach to multiresolution modeling" (2004), in the form
-/// that keeps a vertex where its material is: edges that are 1.5 times as long as aimed at, or whose midpoint
-/// is further from f = 0 than 0.15 edge_length, are split in the middle and the new vertex put on f = 0; of
-/// edges shorter than 0.6 times that, one end goes and the other
+/// that keeps a vertex where its material is: edges that are 1.5 times as long as aimed at are split in the
+/// middle and the new vertex put on f = 0; so are triangles, or their longest edges, that are further from
+/// f = 0 than 0.15 edge_length; of edges shorter than 0.6 times that, one end goes and the other
 /// stays as it is; edges flip towards Delaunay; and triangles with an angle below 22 degrees (hence all with
 /// one above 136) lose their shortest edge or, where that cannot be, one corner to a new vertex at a better
 /// place. No vertex is moved: those that stay keep id, position and attributes, those that come have new ids
 /// and attributes blended from where they are put.
 ///
-/// No edit leaves a triangle that faces against the field's normals at its corners, or that faces less along
+/// No edit turns a triangle by more than 72 degrees, takes one that far off f = 0, or leaves one that faces against the field's normals at its corners, or that faces less along
 /// them than the worst before and cos 25 degrees. The order of edits depends on lengths and, where these are
 /// equal, on vertex numbers: results do not depend on the threads.
 class Remesher {
@@ -72,7 +72,9 @@ class Remesher {
   };
   std::vector<Candidate> candidates_;
   std::vector<Projected> midpoints_;
-  std::vector<int> pending_;
+  std::vector<double> size_;  // of each half-edge (u, v), u < v, over the length aimed at; 0 of the others
+  std::vector<char> flag_;    // of each half-edge or triangle: whether it may need an edit
+  std::vector<int> pending_, suspects_;
 
   friend class RemeshPass;
 };

@@ -9,7 +9,7 @@
 namespace kappaflow {
 namespace {
 
-constexpr int kSettlingRounds = 4;
+constexpr int kSettlingRounds = 3;
 
 }  // namespace
 
@@ -38,7 +38,9 @@ TrackerStep SurfaceTracker::step(FieldMotion& motion) {
     if (options_.topology.follows_field) {
       const bool compare_all = --steps_to_lattice_ <= 0;
       if (compare_all) steps_to_lattice_ = options_.topology.lattice_interval;
-      report.topology_seconds = seconds_of([&] { report.topology = change_topology(*field, compare_all); });
+      report.topology_seconds = seconds_of([&] {
+        report.topology = change_topology(*field, compare_all ? Comparison::both : Comparison::triangles);
+      });
     }
     report.remesh_seconds = seconds_of([&] { report.edits = remesh(*field); });
   }
@@ -48,14 +50,20 @@ TrackerStep SurfaceTracker::step(FieldMotion& motion) {
 
 TrackerStep SurfaceTracker::settle(const Field& field) {
   TrackerStep report;
-  if (options_.remeshing.edge_length > 0 && options_.topology.follows_field)
-    for (int round = 0; round < kSettlingRounds; ++round) {
+  if (options_.remeshing.edge_length > 0 && options_.topology.follows_field) {
+    const auto change = [&](Comparison comparison) {
       TopologyCounts counts;
-      report.topology_seconds += seconds_of([&] { counts = change_topology(field, true); });
+      report.topology_seconds += seconds_of([&] { counts = change_topology(field, comparison); });
       report.topology += counts;
-      if (counts.replaced == 0 || round + 1 == kSettlingRounds) break;
+      return counts.replaced > 0;
+    };
+    // What the isosurface puts in place of triangles off the surface is the remesher's to refine.
+    bool changed = change(Comparison::both);
+    for (int round = 0; changed && round < kSettlingRounds; ++round) {
       report.remesh_seconds += seconds_of([&] { report.edits += remesh(field); });
+      changed = change(Comparison::lattice);
     }
+  }
   finish(report);
   return report;
 }
@@ -72,10 +80,10 @@ double SurfaceTracker::project(const Field& field) {
   return project_all(field, options_.projection, mesh_.position, mesh_.unprojected, fairing_.gradient);
 }
 
-TopologyCounts SurfaceTracker::change_topology(const Field& field, bool compare_all) {
+TopologyCounts SurfaceTracker::change_topology(const Field& field, Comparison comparison) {
   const TopologyCounts counts =
       topology_change_.change(field, options_.topology, options_.remeshing.edge_length, options_.projection,
-                              compare_all, mesh_, {fairing_.gradient, fairing_.mobility});
+                              comparison, mesh_, {fairing_.gradient, fairing_.mobility});
   if (counts.replaced > 0) renew_connectivity(topology_change_.history());
   return counts;
 }

@@ -1,6 +1,7 @@
 // Carries one explicit mesh along with a moving implicit surface.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -55,6 +56,8 @@ class SurfaceTracker {
   TrackerStep settle(const Field& field);
 
   const TriangleMesh& mesh() const { return mesh_; }
+  /// TriangleMesh::source, for whoever knows the liquid to fill in.
+  std::span<int> source() { return mesh_.source; }
   const VertexRings& rings() const { return rings_; }
   const VelocityMethod& method() const { return method_; }
   const TrackerOptions& options() const { return options_; }
@@ -71,7 +74,7 @@ class SurfaceTracker {
   void start_from_mesh();
   void advect(FieldMotion& motion);
   double project(const Field& field);
-  TopologyCounts change_topology(const Field& field, bool compare_all);
+  TopologyCounts change_topology(const Field& field, Comparison comparison);
   void finish(TrackerStep& report) const;
   RemeshCounts remesh(const Field& field);
   void renew_connectivity(const VertexHistory& history);

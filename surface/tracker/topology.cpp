@@ -115,7 +115,7 @@ std::vector<LatticeBlock> fewest_rows(std::vector<LatticeBlock> blocks, const Sa
 }  // namespace
 
 TopologyCounts TopologyChange::change(const Field& field, const TopologyOptions& options, double edge_length,
-                                      const ProjectionOptions& projection, bool compare_all,
+                                      const ProjectionOptions& projection, Comparison comparison,
                                       TriangleMesh& mesh, VertexFacts facts) {
   const double scale = field.length_scale();
   const SampledField lattice =
@@ -126,8 +126,9 @@ TopologyCounts TopologyChange::change(const Field& field, const TopologyOptions&
   TopologyCounts& counts = replacement.counts;
   history_.vertices_at_start = static_cast<int>(mesh.vertex_count());
   std::vector<LatticeCell> cells;
-  add_cells_off_surface(field, mesh, facts, edge_length, lattice, cells);
-  if (compare_all) {
+  if (comparison != Comparison::lattice)
+    add_cells_off_surface(field, mesh, facts, edge_length, lattice, cells);
+  if (comparison != Comparison::triangles) {
     add_cells(lattice, mesh, intersecting_triangles(mesh.position, mesh.triangles), cells);
     add_cells_in_dispute(field, mesh, edge_length, lattice, std::array{whole(lattice)}, cells);
   }

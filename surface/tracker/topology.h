@@ -16,6 +16,13 @@ struct TopologyOptions {
   int lattice_interval = 4;  ///< steps from one comparison with the whole lattice to the next, >= 1
 };
 
+/// By what a change of topology looks for disagreement.
+enum class Comparison {
+  triangles,  ///< triangles off the surface
+  lattice,    ///< triangles that pass through others, and the whole lattice
+  both
+};
+
 /// What one change of topology did.
 struct TopologyCounts {
   std::size_t replaced = 0;           ///< regions that were replaced
@@ -52,16 +59,16 @@ struct TopologyCounts {
 /// was not, some times, and then counted as refused.
 ///
 /// Vertices outside keep place, id and attributes; new ones have new ids and the attributes of the nearest
-/// point of the triangles taken out, or their own place as rest_position where there were none. Regions are
-/// worked on one after the other in a fixed order: results do not depend on the threads.
+/// point of the triangles taken out, or their own place as rest_position and an unknown source where there
+/// were none. Regions are worked on one after the other in a fixed order: results do not depend on the
+/// threads.
 class TopologyChange {
  public:
   /// edge_length: of the mesh, > 0 [m]. `facts` must belong to the vertices as they are, projected.
-  /// compare_all: whether mesh and surface are compared on the whole lattice, not only around replacements.
   /// Afterwards other arrays over the vertices are to be renewed (see history()) if TopologyCounts::replaced
   /// > 0.
   TopologyCounts change(const Field& field, const TopologyOptions& options, double edge_length,
-                        const ProjectionOptions& projection, bool compare_all, TriangleMesh& mesh,
+                        const ProjectionOptions& projection, Comparison comparison, TriangleMesh& mesh,
                         VertexFacts facts);
 
   /// What became of the vertices in the last change().

@@ -2,24 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include <nanoflann.hpp>
 #include <random>
 #include <set>
 
+#include "core/point_tree.h"
+
 namespace kappaflow {
 namespace {
-
-struct PointCloud {
-  std::span<const Vec3> points;
-  std::size_t kdtree_get_point_count() const { return points.size(); }
-  double kdtree_get_pt(std::size_t i, std::size_t axis) const { return points[i][static_cast<int>(axis)]; }
-  template <class Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
-};
-using KdTree =
-    nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, PointCloud>, PointCloud, 3>;
 
 std::vector<Vec3> random_points(int count, double extent, unsigned seed) {
   std::mt19937 random(seed);
@@ -64,7 +53,7 @@ TEST(CellGrid, FindsWhatAKdTreeFinds) {
   CellGrid grid;
   grid.build(std::span<const Vec3>(points), 0.1);
   const PointCloud cloud{points};
-  const KdTree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(10));
+  const PointTree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(10));
   for (const Vec3& x : random_points(200, 1, 4)) {
     std::vector<std::pair<std::uint32_t, double>> matches;
     tree.radiusSearch(x.data(), 0.1 * 0.1, matches, nanoflann::SearchParams());

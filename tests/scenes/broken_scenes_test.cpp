@@ -127,6 +127,7 @@ TEST(GoodScenes, EveryKeyArrives) {
   EXPECT_EQ(emitter.end, 0.7);
   EXPECT_EQ(emitter.max_particles, 500u);
   EXPECT_EQ(emitter.fluid, 2);
+  EXPECT_EQ(emitter.source, 3) << "after the three blocks";
   EXPECT_EQ(fluid.gravity, Vec3(0, 0, -9));
   EXPECT_EQ(fluid.cfl, 0.3);
   EXPECT_EQ(fluid.min_time_step, 1e-5);

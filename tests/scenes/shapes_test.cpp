@@ -198,15 +198,21 @@ TEST(FillBlocks, LeavesOutWhatAnEarlierBlockFilled) {
   EXPECT_LT(nearest, 0.0999);  // the rule is 0.9 spacings, not 1
 }
 
-TEST(FillBlocks, ParticlesCarryTheFluidOfTheirBlock) {
+TEST(FillBlocks, ParticlesCarryTheFluidAndTheNumberOfTheirBlock) {
   Scene scene;
   scene.fluid.spacing = 0.1;
   add_block(scene, BoxShape{Vec3(0, 0, 0), Vec3(1, 1, 1)});
   add_block(scene, SphereShape{Vec3(3, 0, 0), 0.3});
   scene.blocks.back().fluid = 1;
+  add_block(scene, SphereShape{Vec3(5, 0, 0), 0.3});
   const FluidParticlesAtStart start = fill_blocks(scene);
   ASSERT_EQ(start.fluid.size(), start.position.size());
-  for (std::size_t i = 0; i < start.fluid.size(); ++i) EXPECT_EQ(start.fluid[i], start.position[i].x() > 2);
+  ASSERT_EQ(start.source.size(), start.position.size());
+  for (std::size_t i = 0; i < start.fluid.size(); ++i) {
+    const int block = (start.position[i].x() > 2) + (start.position[i].x() > 4);
+    EXPECT_EQ(start.fluid[i], block == 1);
+    EXPECT_EQ(start.source[i], block);
+  }
 }
 
 TEST(ShippedScenes, LoadWithRoundNumbersOfParticles) {

@@ -4,9 +4,11 @@
 #include <tbb/global_control.h>
 
 #include <cmath>
+#include <sstream>
 
 #include "core/errors.h"
 #include "core/particles.h"
+#include "core/saved_state.h"
 #include "solver/fluid_solver.h"
 
 namespace kappaflow {
@@ -142,6 +144,39 @@ TEST(Emitter, SecondFluidKeepsItsNumber) {
   const std::vector<std::uint8_t> fluid = s.fluids();
   EXPECT_EQ(fluid.front(), 0);
   for (std::size_t i = 1; i < fluid.size(); ++i) EXPECT_EQ(fluid[i], 1);
+}
+
+TEST(Emitter, SourcesStayWithTheParticlesAndAreSaved) {
+  Emitter e = downward(0.05, 1);
+  e.source = 7;
+  const FluidOptions o = options(e);
+  std::vector<Vec3> position, velocity;
+  std::vector<int> source;
+  for (const int block : {3, 1})  // the second is where cells come first, and both are so in turn
+    for (int i = 0; i < 64; ++i) {
+      position.push_back(kSpacing * Vec3(i % 4, i / 4 % 4 + 20, i / 16 + 10 * block));
+      velocity.emplace_back(0, 0, 2 - block);
+      source.push_back(block);
+    }
+  FluidSolver s(o, position, velocity, {}, {}, {}, source);
+  run(s, 0.1);
+  std::vector<int> expected = source;
+  ASSERT_GT(s.size(), expected.size());
+  expected.resize(s.size(), 7);
+  EXPECT_EQ(s.sources(), expected);
+
+  std::stringstream state;
+  StateWriter(state, little_endian())(s);
+  FluidSolver other(o, position, velocity, {}, {}, {}, std::vector<int>(position.size(), 9));
+  StateReader archive(state);
+  archive(other);
+  EXPECT_EQ(other.sources(), expected);
+  run(other, 0.15);
+  expected.resize(other.size(), 7);
+  EXPECT_EQ(other.sources(), expected);
+
+  source.pop_back();
+  EXPECT_THROW(FluidSolver(o, position, velocity, {}, {}, {}, source), InvalidInput);
 }
 
 TEST(Emitter, SameBitsWithAnyNumberOfThreads) {

@@ -50,6 +50,7 @@ struct Square {
       checker.push_back({static_cast<std::uint8_t>(v), 10, 255});
       texture.emplace_back(0.1 * v, 0.5);
     }
+    mesh.source = {4, 3, kUnknownSource, 4};
     mesh.unprojected[2] = 1;
   }
   vtkSmartPointer<vtkPolyData> data() const { return surface_data({0.16, mesh, state, checker, texture}); }
@@ -71,8 +72,9 @@ TEST_F(DataFiles, SurfaceHasItsArraysAndTypes) {
   expect_array(arrays, "rest_position", VTK_DOUBLE, 3);
   expect_array(arrays, "checker", VTK_UNSIGNED_CHAR, 3);
   expect_array(arrays, "unprojected", VTK_UNSIGNED_CHAR, 1);
+  expect_array(arrays, "source", VTK_INT, 1);
   expect_array(arrays, "id", VTK_TYPE_INT64, 1);
-  EXPECT_EQ(arrays.GetNumberOfArrays(), 11);
+  EXPECT_EQ(arrays.GetNumberOfArrays(), 12);
   expect_time(*data, 0.16);
   EXPECT_EQ(arrays.GetNormals(), arrays.GetArray("Normals")) << "active";
   EXPECT_EQ(arrays.GetTCoords(), arrays.GetArray("TCoords")) << "active";
@@ -89,6 +91,7 @@ TEST_F(DataFiles, SurfaceKeepsItsValues) {
     EXPECT_EQ(Vec3(arrays.GetArray("velocity")->GetTuple3(v)), square.state.motion.velocity[v]);
     EXPECT_EQ(arrays.GetArray("material_slip")->GetTuple1(v), 3.0 + static_cast<double>(v));
     EXPECT_EQ(arrays.GetArray("checker")->GetComponent(v, 0), static_cast<double>(v));
+    EXPECT_EQ(arrays.GetArray("source")->GetTuple1(v), square.mesh.source[v]);
     EXPECT_EQ(arrays.GetArray("unprojected")->GetTuple1(v), v == 2 ? 1 : 0);
   }
   ASSERT_EQ(data->GetNumberOfPolys(), 2);
@@ -98,10 +101,12 @@ TEST_F(DataFiles, SurfaceKeepsItsValues) {
   EXPECT_EQ((std::vector<vtkIdType>(corner, corner + corners)), (std::vector<vtkIdType>{0, 2, 3}));
 }
 
-TEST_F(DataFiles, SlipIsLeftOutWhereUnknown) {
+TEST_F(DataFiles, SlipAndSourceAreLeftOutWhereUnknown) {
   Square square;
   square.state.material_slip.clear();
+  square.mesh.source.assign(4, kUnknownSource);
   EXPECT_EQ(square.data()->GetPointData()->GetArray("material_slip"), nullptr);
+  EXPECT_EQ(square.data()->GetPointData()->GetArray("source"), nullptr);
 }
 
 TEST_F(DataFiles, FileIsInlineCompressedBinary) {
@@ -117,16 +122,19 @@ TEST_F(DataFiles, FileIsInlineCompressedBinary) {
 TEST_F(DataFiles, ParticlesAreVerticesWithTheirArrays) {
   Particles particles{0.5, {3, 7}, {{1, 2, 3}, {4, 5, 6}}, {{0.5, 0, 0}, {0, 0.25, 0}}};
   const std::vector<float> density{1000, 1001}, pressure{0, 250};
+  const std::vector<int> source{2, 0};
   const std::vector<double> weight{1, 1.0 / 3};
-  const auto data = written_and_read(particle_data({particles, density, pressure, weight, 0.1}));
+  const auto data = written_and_read(particle_data({particles, density, pressure, source, weight, 0.1}));
   vtkPointData& arrays = *data->GetPointData();
   expect_array(arrays, "velocity", VTK_FLOAT, 3);
   expect_array(arrays, "density", VTK_FLOAT, 1);
   expect_array(arrays, "pressure", VTK_FLOAT, 1);
+  expect_array(arrays, "source", VTK_INT, 1);
   expect_array(arrays, "weight", VTK_DOUBLE, 1);
   expect_array(arrays, "sigma", VTK_DOUBLE, 1);
   EXPECT_EQ(arrays.GetArray("id")->GetDataTypeSize(), 8);
   EXPECT_EQ(arrays.GetArray("id")->GetTuple1(1), 7);
+  EXPECT_EQ(arrays.GetArray("source")->GetTuple1(0), 2);
   EXPECT_EQ(arrays.GetArray("weight")->GetTuple1(1), 1.0 / 3);
   EXPECT_EQ(arrays.GetArray("pressure")->GetTuple1(1), 250);
   EXPECT_EQ(Vec3(data->GetPoint(1)), Vec3(4, 5, 6));

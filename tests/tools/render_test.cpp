@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "tests/tools/everything_scene.h"
 #include "tests/tools/program.h"
 #include "tests/tools/scratch.h"
 
@@ -58,7 +59,8 @@ TEST_F(Render, WrongChoicesAreOneLine) {
   EXPECT_EQ(
       render({"--colour", "speed"}).err,
       "kappaflow: error: the surface has no array \"speed\"; it has Normals, TCoords, checker, confidence, "
-      "gaussian_curvature, id, material_slip, mean_curvature, rest_position, unprojected, velocity\n");
+      "gaussian_curvature, id, material_slip, mean_curvature, rest_position, source, unprojected, "
+      "velocity\n");
   EXPECT_EQ(render({"--view", "0,-2,0"}).err,
             "kappaflow: error: the direction to the viewer and the one that is up must be neither zero nor "
             "parallel\n");
@@ -103,6 +105,25 @@ TEST_F(Render, ColoursByAnyArray) {
 
 TEST_F(Render, AnArrayWithOneValueHasColoursToo) {
   EXPECT_EQ(render({"--colour", "unprojected"}).exit_code, 0);
+}
+
+TEST_F(Render, SourcesAreToldApart) {
+  const std::string scene = file("everything.toml", kEverythingScene).string(),
+                    out = (folder / "two").string();
+  ASSERT_EQ(run_program({"run", scene, "--out", out, "--duration", "0.05", "--track", "material"}).exit_code,
+            0);
+  const std::string picture = (folder / "a.png").string();
+  const ProgramResult result = run_program({"render", out, "--out", picture, "--colour", "source"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Image image(picture);
+  int green = 0, orange = 0;
+  for (int y = 150; y < 700; ++y)  // between colour bar and title
+    for (int x = 0; x < 900; ++x) {
+      green += image.at(x, y, 1) > image.at(x, y, 0) + 30;
+      orange += image.at(x, y, 0) > image.at(x, y, 2) + 30;
+    }
+  EXPECT_GT(green, 5000) << "the block";
+  EXPECT_GT(orange, 2000) << "the stream";
 }
 
 /// Films with a program of that text in the place of ffmpeg.

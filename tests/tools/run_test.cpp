@@ -50,6 +50,7 @@ void expect_files(const fs::path& run) {
     const std::string number = "000" + std::to_string(frame) + ".vtp";
     const auto particles = read_vtp(run / "particles" / ("particles_" + number));
     EXPECT_EQ(particles->GetNumberOfPoints(), 1000);
+    EXPECT_NE(particles->GetPointData()->GetArray("source"), nullptr);
     expect_finite(*particles);
     for (const std::string& method : kMethods) {
       const auto surface = read_vtp(run / ("surface-" + method) / ("surface_" + number));

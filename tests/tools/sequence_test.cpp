@@ -99,7 +99,9 @@ TEST_F(Sequence, EveryFormatHoldsTheSameParticles) {
   const Particles body = moved_block(kBodyMotion, 0.3), shuffled = permuted(body, 1);
   const std::vector<float> density(body.size(), 1000), pressure(body.size(), 5);
   const std::vector<double> weight(body.size(), 1);
-  write_vtp(folder / "kappaflow.vtp", *particle_data({body, density, pressure, weight, 0.2}));
+  std::vector<int> source(body.size(), -1);
+  source[5] = 12;
+  write_vtp(folder / "kappaflow.vtp", *particle_data({body, density, pressure, source, weight, 0.2}));
   const std::vector<std::pair<fs::path, Particles>> files{
       {folder / "kappaflow.vtp", body},
       {file("splishsplash.vtk", splishsplash_text(shuffled)), shuffled},
@@ -118,6 +120,8 @@ TEST_F(Sequence, EveryFormatHoldsTheSameParticles) {
   }
   EXPECT_EQ(read_input_frame(folder / "kappaflow.vtp").time, 0.3);
   EXPECT_EQ(read_input_frame(folder / "kappaflow.vtp").pressure, pressure);
+  EXPECT_EQ(read_input_frame(folder / "kappaflow.vtp").source, source);
+  EXPECT_TRUE(read_input_frame(folder / "pysph.vtu").source.empty());
   EXPECT_EQ(read_input_frame(folder / "splishsplash.vtk").density, density);
   EXPECT_EQ(read_input_frame(folder / "dualsphysics.vtk").density, density);
   EXPECT_EQ(read_input_frame(folder / "dualsphysics.vtk").left_out, 2u) << "of the wall";
@@ -189,6 +193,20 @@ TEST_F(Sequence, PermutedIdsAreSorted) {
   }
   for (const std::string& note : sequence.notes())
     EXPECT_EQ(note.find("velocities and displacements fit"), std::string::npos) << "the rate is right";
+}
+
+/// A legacy VTK file of four particles with ids 3, 2, 1, 0 and these sources.
+std::string four_with_sources(const std::string& sources) {
+  return "# vtk DataFile Version 3.0\nfour\nASCII\nDATASET POLYDATA\nPOINTS 4 double\n"
+         "0 0 0 1 0 0 0 1 0 0 0 1\nPOINT_DATA 4\nFIELD all 2\nid 1 4 int\n3 2 1 0\nSource 1 4 double\n" +
+         sources + "\n";
+}
+
+TEST_F(Sequence, SourcesAreWholeNumbersInTheOrderOfTheIds) {
+  for (const int k : {0, 1}) file(fmt::format("s_{}.vtk", k), four_with_sources("10 20 30 -1"));
+  EXPECT_EQ(ParticleSequence(series("s_*.vtk"), 10).frame(1).source, (std::vector<int>{-1, 30, 20, 10}));
+  for (const char* something_else : {"0 1 2 0.5", "0 0 0 3e9", "0 0 0 nan"})
+    EXPECT_TRUE(read_input_frame(file("h.vtk", four_with_sources(something_else))).source.empty());
 }
 
 TEST_F(Sequence, AWrongFrameRateIsNoticed) {
@@ -265,7 +283,7 @@ TEST_F(Sequence, FramesThatDoNotFitTogetherAreSaid) {
     at.time = time;
     const std::vector<double> weight(body.size(), 1);
     write_vtp(folder / fmt::format("t_{}.vtp", time < 0.5 ? 1 : 0),
-              *particle_data({at, {}, {}, weight, 0.2}));
+              *particle_data({at, {}, {}, {}, weight, 0.2}));
   }
   EXPECT_EQ(complaint("t_*.vtp"),
             path("t_1.vtp") + ": its time, 0.25 s, is not after that of the file before, 0.5 s");

@@ -111,7 +111,7 @@ TEST_F(Track, EveryFormatGivesTheMotionOfTheBody) {
   const std::vector<float> none;
   const auto vtp = [&](const Particles& p, int) {
     write_vtp(folder / "particles.vtp",
-              *particle_data({p, none, none, std::vector<double>(p.size(), 1), kSigma}));
+              *particle_data({p, none, none, {}, std::vector<double>(p.size(), 1), kSigma}));
     return bytes_of(folder / "particles.vtp");
   };
   write_sequence("vtp", kBodyMotion, 0.1, vtp);
@@ -146,6 +146,48 @@ TEST_F(Track, TheSameParticlesInAnotherOrderGiveTheSameBytes) {
                  [](const Particles& p, int k) { return csv_text(permuted(p, 9 + k), true, true); });
   ASSERT_EQ(track(options("p_*.csv", {"regional"})), 0);
   EXPECT_EQ(bytes_of(folder / "out/surface-regional/surface_0005.vtp"), straight);
+}
+
+TEST_F(Track, SourcesOfTheParticlesStayWithTheVertices) {
+  const Particles start = moved_block({}, 0);
+  std::vector<int> source;
+  for (const Vec3& x : start.position) source.push_back(x.x() + x.y() < 0.1 ? 3 : 8);
+  for (int k = 0; k < kFrames; ++k)
+    write_vtp(folder / fmt::format("p_{}.vtp", k),
+              *particle_data({moved_block(kBodyMotion, 0.1 * k), {}, {}, source, {}, 0}));
+  ASSERT_EQ(track(options("p_*.vtp", {"material"})), 0);
+
+  const auto first = surface("material", 0), last = surface("material", kFrames - 1);
+  const auto of_vertex = [](vtkPolyData& mesh, const char* array, vtkIdType v) {
+    return static_cast<vtkIdType>(mesh.GetPointData()->GetArray(array)->GetTuple1(v));
+  };
+  std::map<vtkIdType, int> count;
+  for (vtkIdType v = 0; v < first->GetNumberOfPoints(); ++v) {
+    const auto distance = [&](const Vec3& x) { return (x - Vec3(first->GetPoint(v))).norm(); };
+    const auto nearest = std::ranges::min_element(start.position, {}, distance);
+    const vtkIdType found = of_vertex(*first, "source", v);
+    EXPECT_EQ(found, source[nearest - start.position.begin()]);
+    ++count[found];
+  }
+  EXPECT_EQ(count.size(), 2u);
+  int kept = 0;
+  for (vtkIdType v = 0; v < last->GetNumberOfPoints(); ++v) {
+    const vtkIdType id = of_vertex(*last, "id", v);
+    if (id < first->GetNumberOfPoints()) {
+      EXPECT_EQ(of_vertex(*last, "source", v), of_vertex(*first, "source", id));
+      ++kept;
+    }
+    EXPECT_EQ(count.count(of_vertex(*last, "source", v)), 1u);
+  }
+  EXPECT_GT(kept, first->GetNumberOfPoints() / 2);
+}
+
+TEST_F(Track, WithoutSourcesThereIsNoSuchArray) {
+  write_sequence("csv", kBodyMotion, 0.1, [](const Particles& p, int) { return csv_text(p, true, true); });
+  ASSERT_EQ(track(options("p_*.csv", {"material"})), 0);
+  EXPECT_EQ(surface("material", 1)->GetPointData()->GetArray("source"), nullptr);
+  EXPECT_EQ(read_vtp(folder / "out/particles/particles_0001.vtp")->GetPointData()->GetArray("source"),
+            nullptr);
 }
 
 TEST_F(Track, PointCloudsAreTrackedByTheirField) {

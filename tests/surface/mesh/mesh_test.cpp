@@ -316,6 +316,7 @@ TEST(EdgeEdits, RefuseAMeshThatIsNotClosed) {
 TEST(EdgeEdits, SplitBlendsAttributes) {
   TriangleMesh mesh = tetrahedra(2);
   for (std::size_t v = 0; v < 8; ++v) mesh.rest_position[v] = Vec3(static_cast<double>(v), 0, 0);
+  mesh.source = {10, 11, 12, 13, 14, 15, 16, 17};
   EdgeEdits edits;
   edits.start(mesh);
   const int m = edits.split(edits.find(1, 2), 0.25, Vec3(7, 8, 9));
@@ -323,10 +324,36 @@ TEST(EdgeEdits, SplitBlendsAttributes) {
   edits.finish();
   EXPECT_EQ(mesh.position[8], Vec3(7, 8, 9));
   EXPECT_EQ(mesh.rest_position[8], Vec3(1.25, 0, 0));
+  EXPECT_EQ(mesh.source, (std::vector<int>{10, 11, 12, 13, 14, 15, 16, 17, 11})) << "names have no mean";
   EXPECT_EQ(mesh.id[8], 8);
   EXPECT_EQ(mesh.next_id, 9);
   EXPECT_EQ(mesh.triangles.size(), 10u);
   EXPECT_TRUE(has_single_fans(mesh));
+}
+
+TEST(EdgeEdits, NewVerticesAreOfTheSourceOfTheNearerParent) {
+  TriangleMesh mesh = tetrahedra(1);
+  mesh.source = {10, 11, 12, 13};
+  EdgeEdits edits;
+  edits.start(mesh);
+  const auto split_source = [&](int u, int v, double share) {
+    return mesh.source[edits.split(edits.find(u, v), share, Vec3::Zero())];
+  };
+  EXPECT_EQ(split_source(0, 1, 0.75), 11);
+  EXPECT_EQ(split_source(2, 3, 0.5), 12) << "of equals the first";
+  EXPECT_EQ(split_source(1, 2, 0.25), 11);
+  const auto replaced_source = [&](const std::array<double, 3>& weight) {
+    return mesh.source[edits.replace(3, {{1, 2, 0}, weight}, Vec3::Zero())];
+  };
+  EXPECT_EQ(replaced_source({0.3, 0.3, 0.4}), 10);
+  edits.finish();
+  EXPECT_EQ(mesh.source, (std::vector<int>{10, 11, 12, 11, 12, 11, 10})) << "13 is replaced";
+}
+
+TEST(EdgeEdits, TheHeaviestOfEqualsIsTheFirst) {
+  EXPECT_EQ(heaviest({{5, 6, 7}, {0.2, 0.4, 0.4}}), 6);
+  EXPECT_EQ(heaviest({{5, 6, 7}, {1.0 / 3, 1.0 / 3, 1.0 / 3}}), 5);
+  EXPECT_EQ(heaviest({{5, 6, 7}, {0, 0, 1}}), 7);
 }
 
 /// A random edit; whether one was made.
@@ -354,6 +381,7 @@ bool random_edit(EdgeEdits& edits, const TriangleMesh& mesh, std::mt19937& rando
 TEST(EdgeEdits, RandomEditsKeepTheMeshClosedAndManifoldAndVerticesThemselves) {
   for (unsigned seed = 0; seed < 6; ++seed) {
     TriangleMesh mesh = extract_isosurface(testing::random_blobs(seed, 50, 1.5), 0.35);
+    for (std::size_t v = 0; v < mesh.vertex_count(); ++v) mesh.source[v] = static_cast<int>(v % 3);
     const TriangleMesh start = mesh;
     const MeshTopology before = mesh_topology(mesh.position, mesh.triangles);
     std::mt19937 random(seed);
@@ -371,9 +399,12 @@ TEST(EdgeEdits, RandomEditsKeepTheMeshClosedAndManifoldAndVerticesThemselves) {
       EXPECT_TRUE(std::ranges::is_sorted(mesh.id, std::less_equal{}));
       EXPECT_LT(mesh.id.back(), mesh.next_id);
       const std::size_t old = vertices_older_than(mesh, start.next_id);
+      EXPECT_EQ(mesh.source.size(), mesh.vertex_count());
+      EXPECT_EQ(std::ranges::count_if(mesh.source, [](int s) { return s < 0 || s > 2; }), 0);
       for (std::size_t v = 0; v < old; ++v) {
         EXPECT_EQ(mesh.position[v], start.position[mesh.id[v]]);
         EXPECT_EQ(mesh.rest_position[v], start.rest_position[mesh.id[v]]);
+        EXPECT_EQ(mesh.source[v], start.source[mesh.id[v]]);
       }
     }
   }

@@ -287,6 +287,8 @@ TEST(Topology, VerticesElsewhereKeepEverything) {
   const ParticleField apart = two_drops(1.5), merged = two_drops(1.2);
   Sheet sheet(apart, merged, 0.15);
   ASSERT_EQ(topology_of(sheet.mesh), (ComponentsGenus{2, 0}));
+  const auto drop_at = [](const Vec3& x) { return x[0] < 0 ? 4 : 7; };
+  std::ranges::transform(sheet.mesh.rest_position, sheet.mesh.source.begin(), drop_at);
   const TriangleMesh before = sheet.mesh;
   TopologyChange topology;
   const TopologyCounts counts = sheet.change(topology, merged, 0.15);
@@ -306,11 +308,13 @@ TEST(Topology, VerticesElsewhereKeepEverything) {
     EXPECT_EQ(topology.history().before(static_cast<int>(v)), old);
     EXPECT_EQ(mesh.position[v], before.position[old]);
     EXPECT_EQ(mesh.rest_position[v], before.rest_position[old]);
+    EXPECT_EQ(mesh.source[v], before.source[old]);
     EXPECT_EQ(mesh.unprojected[v], before.unprojected[old]);
   }
   // New vertices are on the surface, in the neck, and come from the old mesh.
   const SolidDistance old_at_rest(TriangleSurface{before.rest_position, before.triangles});
   for (std::size_t v = kept; v < mesh.vertex_count(); ++v) {
+    EXPECT_EQ(mesh.source[v], drop_at(mesh.position[v])) << "of the nearer drop";
     const ValueAndGradient at = merged.value_and_gradient(mesh.position[v]);
     EXPECT_LE(std::abs(at.f), ProjectionOptions{}.tolerance * at.g.norm());
     EXPECT_EQ(sheet.gradient[v], at.g);
@@ -318,6 +322,7 @@ TEST(Topology, VerticesElsewhereKeepEverything) {
     EXPECT_LT(std::abs(old_at_rest.nearest(mesh.rest_position[v]).distance), 1e-12);
     EXPECT_NEAR(sheet.mobility[v], 0.5, 1e-12);
   }
+  EXPECT_EQ(mesh.source.size(), mesh.vertex_count());
   EXPECT_EQ(sheet.gradient.size(), mesh.vertex_count());
   EXPECT_EQ(sheet.mobility.size(), mesh.vertex_count());
 }
@@ -325,6 +330,7 @@ TEST(Topology, VerticesElsewhereKeepEverything) {
 TEST(Topology, NothingIsLeftOfNothingAndComesBack) {
   const ParticleField drops = two_drops(2), nothing(FieldParticles{}, 0.3, 0);
   Sheet sheet(drops, drops, kEdge);
+  std::ranges::fill(sheet.mesh.source, 4);
   project_all(nothing, {}, sheet.mesh.position, sheet.mesh.unprojected, sheet.gradient);
   TopologyChange gone;
   EXPECT_GT(sheet.change(gone, nothing, kEdge).replaced, 0u);
@@ -334,6 +340,7 @@ TEST(Topology, NothingIsLeftOfNothingAndComesBack) {
   EXPECT_GT(sheet.change(back, drops, kEdge).replaced, 0u);
   EXPECT_EQ(topology_of(sheet.mesh), (ComponentsGenus{2, 0}));
   EXPECT_EQ(sheet.mesh.rest_position, sheet.mesh.position) << "there was nothing to take it from";
+  EXPECT_EQ(sheet.mesh.source, std::vector<int>(sheet.mesh.vertex_count(), kUnknownSource)) << "likewise";
 }
 
 TEST(Topology, SameBitsForAnyNumberOfThreads) {
@@ -344,12 +351,16 @@ TEST(Topology, SameBitsForAnyNumberOfThreads) {
       return std::vector<Vec3>{{-0.7 + t, 0, 0}, {0.7 - t, 0.2, 0}, {0, 1.3 - t, 0.1}};
     });
     TrackedRun run(particles, 0.3);
+    std::ranges::transform(run.tracker.mesh().position, run.tracker.source().begin(), [](const Vec3& x) {
+      return x[0] < -0.3 ? 0 : x[0] > 0.3 ? 1 : 2;
+    });
     run.advance(16, 0.02);
     EXPECT_GT(run.counts.replaced, 0u);
     result.push_back(run.tracker.mesh());
   }
   EXPECT_EQ(result[0].position, result[1].position);
   EXPECT_EQ(result[0].rest_position, result[1].rest_position);
+  EXPECT_EQ(result[0].source, result[1].source);
   EXPECT_EQ(result[0].id, result[1].id);
   EXPECT_EQ(result[0].triangles, result[1].triangles);
 }

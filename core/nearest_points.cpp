@@ -1,0 +1,43 @@
+#include "core/nearest_points.h"
+
+#include <cmath>
+#include <limits>
+
+#include "core/parallel.h"
+#include "core/point_tree.h"
+
+namespace kappaflow {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kRounding = 1 + 1e-12;  // of the tree's distances
+
+/// As nanoflann wants what it finds. Its own takes, of several nearest points, the one that it meets first.
+struct Nearest {
+  double square = kInfinity;  // of the distance
+  std::uint32_t number = 0;
+
+  bool addPoint(double other, std::uint32_t i) {
+    if (other < square || (other == square && i < number)) square = other, number = i;
+    return true;
+  }
+  /// Points nearer than this are shown: also those that are as near as the nearest one so far.
+  double worstDist() const { return std::nextafter(kRounding * square, kInfinity); }
+  bool full() const { return true; }
+};
+
+}  // namespace
+
+std::vector<std::uint32_t> nearest_points(std::span<const Vec3> points, std::span<const Vec3> places) {
+  const PointCloud cloud{points};
+  const PointTree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(10));
+  std::vector<std::uint32_t> number(places.size());
+  parallel_for(places.size(), [&](std::size_t i) {
+    Nearest nearest;
+    tree.findNeighbors(nearest, places[i].data(), nanoflann::SearchParams());
+    number[i] = nearest.number;
+  });
+  return number;
+}
+
+}  // namespace kappaflow

@@ -1,0 +1,25 @@
+// nanoflann's tree over points that somebody else holds.
+#pragma once
+
+#include <nanoflann.hpp>
+#include <span>
+
+#include "core/types.h"
+
+namespace kappaflow {
+
+/// As nanoflann wants points.
+struct PointCloud {
+  std::span<const Vec3> points;
+  std::size_t kdtree_get_point_count() const { return points.size(); }
+  double kdtree_get_pt(std::size_t i, std::size_t axis) const { return points[i][static_cast<int>(axis)]; }
+  template <class Box>
+  bool kdtree_get_bbox(Box&) const {
+    return false;
+  }
+};
+
+using PointTree =
+    nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, PointCloud>, PointCloud, 3>;
+
+}  // namespace kappaflow
