@@ -100,8 +100,8 @@ TriangleMesh measure_isosurface(const Field& field, double sigma, FrameMetrics& 
 /// Field::length_scale().
 double surface_residual(const Field& field, const TriangleMesh& mesh);
 
-/// Everything that mesh and state say; tracer_distance, kept_fraction, kept_since_frame, vertices_replaced and
-/// regions_* are the caller's. isosurface: what measure_isosurface() returns.
+/// Everything that mesh and state say; tracer_distance, kept_fraction, kept_since_frame, vertices_replaced
+/// and regions_* are the caller's. isosurface: what measure_isosurface() returns.
 SurfaceMetrics surface_metrics(const Field& field, const TriangleMesh& isosurface, const TriangleMesh& mesh,
                                const VertexRings& rings, const SurfaceState& state, const Vec3& report_axis);
 

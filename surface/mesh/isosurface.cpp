@@ -130,7 +130,8 @@ TriangleMesh extract_isosurface(const Field& field, double spacing, std::size_t 
   if (!(spacing > 0) || !std::isfinite(spacing))
     throw InvalidInput(fmt::format("the spacing of an isosurface is {} m; it must be positive", spacing));
   return extract_isosurface(
-      isosurface_lattice(field, spacing), [&](SampledField& samples) { field.sample(samples); }, points_at_once);
+      isosurface_lattice(field, spacing), [&](SampledField& samples) { field.sample(samples); },
+      points_at_once);
 }
 
 TriangleMesh extract_isosurface(const SampledField& lattice, const std::function<void(SampledField&)>& sample,

@@ -132,7 +132,8 @@ bool is_off_surface(const Field& field, std::span<const Vec3> position, std::spa
                     const Triangle& triangle, double limit) {
   const auto& [a, b, c] = triangle;
   const Vec3 normals = sum_of_normals(gradient, triangle);
-  if (normals.norm() > kAgreeing && !(facing(position[a], position[b], position[c], normals) > 0)) return true;
+  if (normals.norm() > kAgreeing && !(facing(position[a], position[b], position[c], normals) > 0))
+    return true;
   const Vec3 centroid = (position[a] + position[b] + position[c]) / 3;
   const ValueAndGradient at = field.value_and_gradient(centroid);
   if (std::abs(at.f) <= limit * at.g.norm()) return false;

@@ -18,12 +18,13 @@ constexpr double kChord =
     0.15;                       // distance of a triangle from f = 0 that calls for smaller ones [edge_length]
 constexpr double kSteep = 0.3;  // least cosine by which an edit may turn a triangle
 constexpr double kFlatShare = 0.5;  // of an edge's length that counts where the normals at its ends agree
-constexpr double kBent = 0.99;      // length aimed at [edge_length] above which the surface counts as flat
-constexpr double kGrading = 0.4;    // largest change of the length aimed at per length along the surface
-constexpr int kGradingPasses = 3;   // more follow in the next steps
-constexpr double kSharp = 0.927;    // cosine of the smallest angle that needs no repair: 22 degrees
-constexpr double kFacing = 0.9;     // cosine between a triangle and its corners' normals that is always good
-constexpr double kGain = 1e-3;      // least improvement of that cosine which is worth an edit
+constexpr double kBend = 0.4;   // length times turn of the normal whose chord is surely nearer [edge_length]
+constexpr double kBent = 0.99;  // length aimed at [edge_length] above which the surface counts as flat
+constexpr double kGrading = 0.4;   // largest change of the length aimed at per length along the surface
+constexpr int kGradingPasses = 3;  // more follow in the next steps
+constexpr double kSharp = 0.927;   // cosine of the smallest angle that needs no repair: 22 degrees
+constexpr double kFacing = 0.9;    // cosine between a triangle and its corners' normals that is always good
+constexpr double kGain = 1e-3;     // least improvement of that cosine which is worth an edit
 constexpr double kFlipMargin = 1e-9;  // of the sum of cotangents
 constexpr int kRounds = 3;            // of splits, and of flips and repairs
 
@@ -240,11 +241,19 @@ bool RemeshPass::keeps_facing(int u, int v, int a, const Vec3& x) const {
   return facing(at(u), x, at(a), before) >= kSteep && facing(x, at(v), at(a), before) >= kSteep;
 }
 
+/// The field is not asked where the surface is flat, and where the normals at the corners hardly turn along
+/// so short a triangle that faces along them.
 bool RemeshPass::is_off_surface(const Triangle& triangle) const {
   const auto& [a, b, c] = triangle;
-  if (std::min({s_.target_[a], s_.target_[b], s_.target_[c]}) > kBent * options_.edge_length) return false;
+  const double unit = options_.edge_length;
+  if (std::min({s_.target_[a], s_.target_[b], s_.target_[c]}) > kBent * unit) return false;
+  double bend = 0;
+  for (const auto& [u, v] : {std::pair(a, b), std::pair(b, c), std::pair(c, a)})
+    bend = std::max(bend, (at(v) - at(u)).norm() * (s_.normal_[v] - s_.normal_[u]).norm());
+  const Vec3 normals = s_.normal_[a] + s_.normal_[b] + s_.normal_[c];
+  if (bend < kBend * unit && facing(at(a), at(b), at(c), normals) > kFacing) return false;
   const ValueAndGradient centroid = field_.value_and_gradient((at(a) + at(b) + at(c)) / 3);
-  return std::abs(centroid.f) > kChord * options_.edge_length * centroid.g.norm();
+  return std::abs(centroid.f) > kChord * unit * centroid.g.norm();
 }
 
 /// The half-edge of the triangle that is longest, one along which the normal turns counting for more.

@@ -49,9 +49,10 @@ struct VertexFacts {
 /// place. No vertex is moved: those that stay keep id, position and attributes, those that come have new ids
 /// and attributes blended from where they are put.
 ///
-/// No edit turns a triangle by more than 72 degrees, takes one that far off f = 0, or leaves one that faces against the field's normals at its corners, or that faces less along
-/// them than the worst before and cos 25 degrees. The order of edits depends on lengths and, where these are
-/// equal, on vertex numbers: results do not depend on the threads.
+/// No edit turns a triangle by more than 72 degrees, takes one that far off f = 0, or leaves one that faces
+/// against the field's normals at its corners, or that faces less along them than the worst before and cos 25
+/// degrees. The order of edits depends on lengths and, where these are equal, on vertex numbers: results do
+/// not depend on the threads.
 class Remesher {
  public:
   /// rings: of the mesh as it is. Afterwards rings, and arrays over the vertices other than `facts`, are to

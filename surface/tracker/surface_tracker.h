@@ -51,8 +51,8 @@ class SurfaceTracker {
   /// Moves the mesh from motion.t0() to motion.t1().
   TrackerStep step(FieldMotion& motion);
 
-  /// Compares the mesh with f = 0 once more, on the whole lattice, and mends it until both agree or some rounds
-  /// are over: what a frame shows has the surface's topology. field: at the end of the last step.
+  /// Compares the mesh with f = 0 once more, on the whole lattice, and mends it until both agree or some
+  /// rounds are over: what a frame shows has the surface's topology. field: at the end of the last step.
   TrackerStep settle(const Field& field);
 
   const TriangleMesh& mesh() const { return mesh_; }

@@ -44,10 +44,12 @@ TEST(Metrics, SphereOfOneParticle) {
   EXPECT_FALSE(metrics.rotation_captured.has_value()) << "a translation has no rotation to capture";
   EXPECT_EQ(metrics.angles_outside, 0);
   EXPECT_EQ(metrics.self_intersections, 0u);
+  EXPECT_EQ(metrics.on_lattice.components, 1);
+  EXPECT_EQ(metrics.on_lattice.genus, 0);
   EXPECT_EQ(metrics.texture.cracks, 0);
   // The chords of both meshes: h^2 / (6 R) at the middle of a triangle of edge h, and more at longer edges.
   EXPECT_LT(metrics.surface_without_mesh, 0.01);
-  EXPECT_LT(metrics.mesh_without_surface, 0.04);
+  EXPECT_LT(metrics.mesh_without_surface, 0.01);
   EXPECT_GT(metrics.mesh_without_surface, 0.001);
 }
 
@@ -93,7 +95,8 @@ TEST(MetricsTable, HasTheDocumentedColumns) {
       "residual_max,quality_min,quality_mean,area,volume,isosurface_volume,slip,rotation_captured,"
       "tracer_distance,components,genus,isosurface_components,isosurface_genus,kept_fraction,unprojected,"
       "folded_fraction,angles_outside,self_intersections,texture_jump,texture_cracks,kept_since_frame,"
-      "surface_without_mesh,mesh_without_surface,regions_replaced,regions_refused\n");
+      "surface_without_mesh,mesh_without_surface,regions_replaced,regions_refused,"
+      "components_on_lattice,genus_on_lattice,vertices_replaced\n");
 }
 
 TEST(MetricsTable, RowMatchesTheHeader) {
@@ -115,9 +118,11 @@ TEST(MetricsTable, RowMatchesTheHeader) {
   surface.mesh_without_surface = 2.5;
   surface.regions_replaced = 8;
   surface.regions_refused = 9;
+  surface.on_lattice = {10, 11};
+  surface.vertices_replaced = 13;
   EXPECT_EQ(metrics_row(frame, "total", surface),
             "7,0.28,total,1000,0.25,0.333333333333,0.02,12,20,1e-05,0.5,0.9,3.5,0.625,0.75,,0.875,,1,4,2,3,1,"
-            "5,0,0.125,6,0.5,0.25,0.875,1.5,2.5,8,9\n");
+            "5,0,0.125,6,0.5,0.25,0.875,1.5,2.5,8,9,10,11,13\n");
   EXPECT_EQ(split(metrics_row(frame, "total", surface), ',').size(), split(metrics_header(), ',').size());
 }
 

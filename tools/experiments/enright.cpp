@@ -157,6 +157,8 @@ Contest make_contest(const EnrightOptions& options, const Field& field) {
   tracker.topology.follows_field = options.spacing > 0;
   for (const double edge : options.remeshed) {
     tracker.remeshing.edge_length = edge;
+    // Meshes of different resolution are similar to each other: so are what their chords leave out.
+    tracker.remeshing.turn = options.tracker.remeshing.turn * edge / options.edge_length;
     const TriangleMesh remeshed_start = initial_mesh(field, edge, tracker.projection);
     for (const std::string& method : options.remeshed_methods) contest.add(remeshed_start, method, tracker);
   }
@@ -349,9 +351,9 @@ Report enright(const ExperimentContext& context, const EnrightOptions& options, 
 
 Report experiment_enright_particles(const ExperimentContext& context) {
   const EnrightOptions options = read_options(context, true);
-  ParticleFieldOptions field{
-      .sigma = options.sigma * options.spacing, .weights = WeightRule::normalised, .threshold = 0.5};
   EnrightParticles particles(options.spacing);
+  ParticleFieldOptions field{.sigma = options.sigma * options.spacing, .weights = WeightRule::normalised};
+  field.threshold = particles.threshold(field.sigma);
   const std::size_t count = particles.at(0).size();
   const auto motion_between = [&](double t0, double t1) -> std::unique_ptr<FieldMotion> {
     const Particles before = particles.at(t0);
@@ -359,9 +361,11 @@ Report experiment_enright_particles(const ExperimentContext& context) {
   };
   return enright(
       context, options, true, motion_between,
-      fmt::format("{} particles, {} m apart at the start, are carried by the flow exactly; the surface is "
-                  "that of Eq. 12 with sigma = {} m, normalised weights and threshold 0.5.",
-                  count, options.spacing, field.sigma));
+      fmt::format(
+          "{} particles, on shells {} m apart at the start, are carried by the flow exactly; the "
+          "surface is that of Eq. 12 with sigma = {} m, normalised weights, and the threshold {:.4f} that "
+          "puts it on the sphere then.",
+          count, options.spacing, field.sigma, field.threshold));
 }
 
 Report experiment_enright_exact(const ExperimentContext& context) {

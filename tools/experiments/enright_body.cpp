@@ -1,10 +1,13 @@
 #include "tools/experiments/enright_body.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/parallel.h"
 #include "surface/field/enright_flow.h"
+#include "surface/field/particle_field.h"
 #include "surface/tracker/initial_mesh.h"
 
 namespace kappaflow {
@@ -59,19 +62,54 @@ VertexError vertex_error(const TriangleMesh& mesh, double time) {
                       [&](std::size_t v) { return (mesh.position[v] - material[v]).norm(); });
 }
 
+namespace {
+
+constexpr int kSpherePoints = 4000;  // over which the field is averaged
+
+/// Points spread evenly over the unit sphere, turned about `axis` by `angle`.
+std::vector<Vec3> fibonacci_sphere(int count, const Vec3& axis, double angle) {
+  const double golden = std::numbers::pi * (1 + std::sqrt(5.0));
+  const Eigen::AngleAxisd turn(angle, axis.normalized());
+  std::vector<Vec3> points;
+  for (int i = 0; i < count; ++i) {
+    const double z = 1 - (2 * i + 1.0) / count, r = std::sqrt(1 - z * z), phi = golden * (i + 0.5);
+    points.emplace_back(turn * Vec3(r * std::cos(phi), r * std::sin(phi), z));
+  }
+  return points;
+}
+
+}  // namespace
+
 EnrightParticles::EnrightParticles(double spacing) {
-  const int half = static_cast<int>(std::ceil(EnrightFlow::kRadius / spacing));
-  for (int k = -half; k <= half; ++k)
-    for (int j = -half; j <= half; ++j)
-      for (int i = -half; i <= half; ++i) {
-        const Vec3 d = spacing * Vec3(i, j, k);
-        // Half a spacing off the sphere: the surface of Eq. 12 lies about that far outside the particles.
-        if (d.norm() > EnrightFlow::kRadius - 0.5 * spacing) continue;
-        particles_.id.push_back(static_cast<std::int64_t>(particles_.id.size()));
-        particles_.position.emplace_back(kCentre + d);
-      }
+  int shell = 0;
+  for (double r = EnrightFlow::kRadius - 0.5 * spacing; r > 0.3 * spacing; r -= spacing, ++shell) {
+    const int count =
+        std::max(1, static_cast<int>(std::lround(4 * std::numbers::pi * r * r / (spacing * spacing))));
+    // Shells are turned against each other, so that their poles, where the lattice is least even, do not line
+    // up.
+    for (const Vec3& d : fibonacci_sphere(count, Vec3(1, 2, 3), 1.1 * shell)) {
+      particles_.id.push_back(static_cast<std::int64_t>(particles_.id.size()));
+      particles_.position.emplace_back(kCentre + r * d);
+    }
+  }
   particles_.velocity.resize(particles_.id.size());
   at(0);
+}
+
+double EnrightParticles::threshold(double sigma) const {
+  const std::size_t n = particles_.size();
+  const ParticleField field({.position = particles_.position,
+                             .velocity = particles_.velocity,
+                             .sigma = std::vector<double>(n, sigma),
+                             .weight = field_weights(particles_.position, sigma, WeightRule::normalised),
+                             .weight_rate = std::vector<double>(n, 0)},
+                            0, particles_.time);
+  const std::vector<Vec3> sphere = fibonacci_sphere(kSpherePoints, Vec3(1, 0, 0), 0);
+  return parallel_sum(sphere.size(), 0.0,
+                      [&](std::size_t i) {
+                        return field.value_and_gradient(kCentre + EnrightFlow::kRadius * sphere[i]).f;
+                      }) /
+         kSpherePoints;
 }
 
 const Particles& EnrightParticles::at(double time) {

@@ -38,11 +38,17 @@ struct VertexError {
 };
 VertexError vertex_error(const TriangleMesh& mesh, double time);
 
-/// Particles that fill the sphere on a cubic lattice at time 0 and are carried by the flow.
+/// Particles that fill the sphere at time 0 and are carried by the flow. They lie on concentric shells a
+/// spacing apart, the outermost half a spacing inside, as a Fibonacci lattice each: Eq. 12's surface is then
+/// round, where that of a cubic lattice is as uneven as its cut.
 class EnrightParticles {
  public:
   /// spacing [m] at time 0.
   explicit EnrightParticles(double spacing);
+
+  /// The threshold of Eq. 12 that puts the surface on the sphere, in the mean, at time 0.
+  /// sigma: [m]; weights: normalised.
+  double threshold(double sigma) const;
 
   /// The particles at `time` [s], with the flow's velocities. Carries them on from the time asked for before.
   const Particles& at(double time);

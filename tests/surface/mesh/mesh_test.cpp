@@ -331,6 +331,24 @@ TEST(EdgeEdits, SplitBlendsAttributes) {
   EXPECT_TRUE(has_single_fans(mesh));
 }
 
+TEST(EdgeEdits, SplitTrianglesBlendAttributesToo) {
+  TriangleMesh mesh = make_triangle_mesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                                         {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}});
+  const TriangleMesh before = mesh;
+  EdgeEdits edits;
+  edits.start(mesh);
+  const int m = edits.split(2, {{1, 2, 3}, {0.5, 0.25, 0.25}}, Vec3(7, 8, 9));
+  EXPECT_EQ(edits.valence(m), 3);
+  for (const int v : {1, 2, 3}) EXPECT_EQ(edits.valence(v), 4);
+  EXPECT_EQ(edits.valence(0), 3);
+  edits.finish();
+  EXPECT_EQ(mesh.position[m], Vec3(7, 8, 9));
+  EXPECT_EQ(mesh.rest_position[m], Vec3(0.5, 0.25, 0.25));
+  EXPECT_EQ(mesh.triangles.size(), 6u);
+  EXPECT_EQ(mesh_topology(mesh.position, mesh.triangles).genus, 0);
+  for (std::size_t v = 0; v < 4; ++v) EXPECT_EQ(mesh.position[v], before.position[v]);
+}
+
 TEST(EdgeEdits, NewVerticesAreOfTheSourceOfTheNearerParent) {
   TriangleMesh mesh = tetrahedra(1);
   mesh.source = {10, 11, 12, 13};

@@ -68,6 +68,32 @@ TEST(WindingNumbers, CountOverlapsAndReversedMeshes) {
   EXPECT_GT(overlap, 50u);
 }
 
+TEST(SeenByLattice, LeavesOutWhatPassesBetweenThePoints) {
+  // Two spheres that a thin tetrahedron's worth of mesh would join look the same; a speck is not there at
+  // all.
+  const SampledField lattice{Vec3::Constant(-2), 0.25, 0, {17, 17, 17}, {}};
+  TriangleMesh sphere = extract_isosurface(lattice, [](SampledField& s) {
+    s.value.clear();
+    for (int k = 0; k < s.dims[2]; ++k)
+      for (int j = 0; j < s.dims[1]; ++j)
+        for (int i = 0; i < s.dims[0]; ++i)
+          s.value.push_back(
+              static_cast<float>(1 - (s.origin + s.spacing * Vec3(i, j, s.first_plane + k)).norm()));
+  });
+  const MeshTopology alone = mesh_topology(sphere.position, sphere.triangles);
+  EXPECT_EQ(alone.components, 1);
+  const int n = static_cast<int>(sphere.vertex_count());
+  for (const Vec3& d : {Vec3(0, 0, 0), Vec3(0.1, 0, 0), Vec3(0, 0.1, 0), Vec3(0, 0, 0.1)})
+    sphere.position.emplace_back(Vec3(1.55, 1.55, 1.55) + d);
+  for (const Triangle& t : {Triangle{0, 2, 1}, Triangle{0, 1, 3}, Triangle{1, 2, 3}, Triangle{2, 0, 3}})
+    sphere.triangles.push_back({t[0] + n, t[1] + n, t[2] + n});
+  EXPECT_EQ(mesh_topology(sphere.position, sphere.triangles).components, 2);
+  const TriangleMesh seen = seen_by_lattice(sphere, lattice);
+  const MeshTopology topology = mesh_topology(seen.position, seen.triangles);
+  EXPECT_EQ(topology.components, 1);
+  EXPECT_EQ(topology.genus, 0);
+}
+
 TEST(Boundary, LoopsRunAsTheTrianglesDo) {
   // A square ring of eight triangles: the outer loop counter-clockwise, the inner one clockwise.
   const std::vector<Triangle> ring{{0, 1, 4}, {1, 5, 4}, {1, 2, 5}, {2, 6, 5},

@@ -151,6 +151,35 @@ TEST(Remeshing, EdgesFollowTheCurvature) {
   expect_in_order(field, mesh, {1, 0});
 }
 
+/// The largest distance of a triangle's centroid from f = 0.
+double largest_chord(const Field& field, const TriangleMesh& mesh) {
+  double largest = 0;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const Vec3 centroid = (mesh.position[a] + mesh.position[b] + mesh.position[c]) / 3;
+    largest = std::max(largest, (project(field, centroid, {}).position - centroid).norm());
+  }
+  return largest;
+}
+
+TEST(Remeshing, TrianglesThatCutThroughARimAreRefined) {
+  // A lens an edge thick: triangles of this size have corners on both of its sides.
+  constexpr double kEdge = 0.25;
+  const EllipsoidField field(Vec3::Zero(), Mat3::Identity(), Vec3(1, 1, 0.12));
+  TriangleMesh mesh = initial_mesh(field, kEdge, {});
+  std::vector<double> mobility(mesh.vertex_count(), 1);
+  std::vector<Vec3> gradient;
+  for (const Vec3& x : mesh.position) gradient.push_back(field.value_and_gradient(x).g);
+  const double before = largest_chord(field, mesh);
+  Remesher remesher;
+  for (int round = 0; round < 4; ++round)
+    remesher.remesh(field, {.edge_length = kEdge}, {}, vertex_rings(mesh.vertex_count(), mesh.triangles),
+                    mesh, {gradient, mobility});
+  EXPECT_GT(before, 0.25 * kEdge);
+  EXPECT_LT(largest_chord(field, mesh), 0.2 * kEdge);
+  EXPECT_EQ(self_intersections(mesh.position, mesh.triangles), 0u);
+  EXPECT_EQ(mesh_topology(mesh.position, mesh.triangles).genus, 0);
+}
+
 TEST(Remeshing, RestLengthsSurviveEditsElsewhere) {
   const EllipsoidField field(Vec3::Zero(), Mat3::Identity(), Vec3(1, 0.8, 0.7));
   TriangleMesh mesh = initial_mesh(field, 0.1, {});
