@@ -30,7 +30,7 @@ void EdgeEdits::set_twins() {
   outgoing_.resize(n);
   for (int h = n - 1; h >= 0; --h) {
     out_[origin(h)] = h;
-    outgoing_[--start_[origin(h) + 1]] = h;
+    outgoing_[--start_[origin(h) + 1]] = {end(h), h};
   }
   // start_[v + 1] has moved down to where the half-edges of v begin.
   twin_.resize(n);
@@ -38,8 +38,8 @@ void EdgeEdits::set_twins() {
     const int h = static_cast<int>(i), v = end(h),
               last = v + 2 < static_cast<int>(start_.size()) ? start_[v + 2] : n;
     const auto* const found = std::find_if(outgoing_.data() + start_[v + 1], outgoing_.data() + last,
-                                           [&](int other) { return end(other) == origin(h); });
-    twin_[h] = found == outgoing_.data() + last ? -1 : *found;
+                                           [&](const auto& other) { return other.first == origin(h); });
+    twin_[h] = found == outgoing_.data() + last ? -1 : found->second;
   });
   if (const auto open = std::ranges::find(twin_, -1); open != twin_.end())
     throw TopologyError(mesh_->position[end(static_cast<int>(open - twin_.begin()))],

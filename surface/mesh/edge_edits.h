@@ -97,7 +97,8 @@ class EdgeEdits {
   std::uint32_t question_ = 0;
   VertexHistory history_;
   std::vector<char> alive_;
-  std::vector<int> start_, outgoing_;  // scratch of set_twins()
+  std::vector<int> start_;                     // scratch of set_twins()
+  std::vector<std::pair<int, int>> outgoing_;  // likewise: end and number of each half-edge, by origin
 };
 
 }  // namespace kappaflow

@@ -63,6 +63,7 @@ TrackerStep SurfaceTracker::settle(const Field& field) {
       report.remesh_seconds += seconds_of([&] { report.edits += remesh(field); });
       changed = change(Comparison::lattice);
     }
+    steps_to_lattice_ = options_.topology.lattice_interval;
   }
   finish(report);
   return report;

@@ -13,7 +13,7 @@ struct TopologyOptions {
   bool follows_field = false;  ///< whether the mesh's topology follows the surface's
   /// Of the lattice, as a share of Field::length_scale(); smaller pieces, holes and gaps may be missed.
   double spacing = 0.25;
-  int lattice_interval = 4;  ///< steps from one comparison with the whole lattice to the next, >= 1
+  int lattice_interval = 8;  ///< steps from one comparison with the whole lattice to the next, >= 1
 };
 
 /// By what a change of topology looks for disagreement.
