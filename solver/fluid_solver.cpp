@@ -25,6 +25,8 @@ namespace {
 // Errors at the last iteration beyond which the flow is no longer the liquid's.
 constexpr double kFailedViscosity = 0.1;  // relative residual [1]
 constexpr double kFailedPressure = 0.01;  // mean compression [1]
+// Motion in one step beyond which the flow explodes [spacings]; cfl, at most 1, is what was planned.
+constexpr double kFailedMotion = 10;
 
 void accelerate(FluidParticles& particles, const Vec4f& acceleration, float time_step) {
   parallel_for(particles.size(), [&](std::size_t i) {
@@ -117,6 +119,7 @@ struct FluidSolver::State {
   void check_finite() const;
   void check_viscosity(const ViscositySolve& solve) const;
   void check_pressure(const PressureSolve& solve, const char* solver, double tolerance) const;
+  void check_motion(double time_step) const;
   void measure(FluidStep& done);
   template <class Archive>
   void serialize(Archive& archive);
@@ -179,6 +182,7 @@ FluidStep FluidSolver::step(double time_left) {
   s.check_finite();
   s.check_viscosity(viscosity);
   s.check_pressure(density, "density", s.options.density_tolerance);
+  s.check_motion(done.time_step);
   move(s.particles, dt);
   s.emitters.emit(s.particles, s.time + done.time_step);
   s.walls.move_to(s.time + done.time_step);
@@ -269,6 +273,16 @@ void FluidSolver::State::check_pressure(const PressureSolve& solve, const char* 
                   "max_pressure_iterations (now {}), or lower cfl (now {}) or max_time_step (now {} s)",
                   solver, solve.mean_error, solve.iterations, options.max_pressure_iterations, options.cfl,
                   options.max_time_step));
+}
+
+void FluidSolver::State::check_motion(double time_step) const {
+  const double spacings = fastest_speed(particles) * time_step / options.spacing;
+  if (spacings <= kFailedMotion) return;
+  throw SolverFailure(
+      time, steps + 1, fastest_particle(particles),
+      fmt::format("the flow explodes: it would move by {:.3g} spacings in one step; lower max_time_step (now "
+                  "{} s) or cfl (now {}), or a viscosity too large for such steps",
+                  spacings, options.max_time_step, options.cfl));
 }
 
 void FluidSolver::State::measure(FluidStep& done) {

@@ -78,6 +78,9 @@ void restore(StateReader& archive, std::istream& bytes, const fs::path& file, Sc
 RunSummary resume(const RunOptions& options, const InterruptGuard& guard) {
   RunFolder folder(options.resume);
   const fs::path file = folder.path() / kCheckpointFile;
+  if (!fs::exists(file))
+    throw IoError(folder.path().string(),
+                  "holds no checkpoint to go on from; a run that ended before its first frame is begun anew");
   std::istringstream bytes(read_checkpoint(file));
   StateReader archive(bytes);
   RunPoint point;

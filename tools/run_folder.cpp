@@ -63,9 +63,18 @@ void remove_run(const fs::path& folder) {
   }
 }
 
+/// A run, or frames that lie where a run's would, whoever wrote them. What is left of a run that ended before
+/// its first frame does not count.
+bool holds_results(const fs::path& folder) {
+  return fs::exists(folder / kRecordFile) ||
+         std::ranges::any_of(entries_of(folder), [](const fs::directory_entry& entry) {
+           return is_data_folder(entry) && std::ranges::any_of(entries_of(entry), is_data_file);
+         });
+}
+
 void make_room(const fs::path& folder, bool force) {
   try {
-    if (!fs::exists(folder / kRecordFile)) return;
+    if (!holds_results(folder)) return;
     if (!force)
       throw InvalidInput(fmt::format(
           "{} already holds a run; {}--force replaces it, --out DIR writes elsewhere", folder.string(),

@@ -30,9 +30,9 @@ struct FrameRows {
 /// Whatever is there under these names is complete and listed in the .pvd files, at any moment of the run.
 class RunFolder {
  public:
-  /// Makes the folder and its tables. Throws InvalidInput when the folder already holds a run (a run.json)
-  /// and `force` is not set (with it, the old run's files are removed, and nothing else) or another run is
-  /// writing into it, IoError when the folder cannot be written.
+  /// Makes the folder and its tables. Throws InvalidInput when the folder already holds a run (a run.json, or
+  /// files in folders of those names) and `force` is not set (with it, these files are removed, and nothing
+  /// else) or another run is writing into it, IoError when the folder cannot be written.
   RunFolder(std::filesystem::path folder, std::vector<std::string> methods, bool force);
   /// Opens the folder of a run that was interrupted; what else there is to know, serialize() reads. Throws
   /// InvalidInput when another run is writing into it, IoError when there is no such folder.

@@ -52,6 +52,11 @@ RunSummary SceneRun::advance(const InterruptGuard& guard) {
     throw Error(fmt::format("{}; with that mended, kappaflow run --resume {} goes on", error.what(),
                             folder_.path().string()),
                 error.exit_code());
+  } catch (const Error& error) {  // of a surface, which knows no time
+    const FluidSolver& fluid = simulation_.fluid();
+    throw Error(fmt::format("the surfaces failed at t = {:.6g} s, step {}: {}; {}", fluid.time(),
+                            fluid.steps(), error.what(), written_particles()),
+                error.exit_code());
   }
   summary_.steps = simulation_.fluid().steps();
   summary_.wall_seconds = seconds_before_ + watch_.seconds();

@@ -42,8 +42,8 @@ class SceneRun {
   /// Writes frame 0.
   void start();
   /// Advances to the scene's end or until a signal comes, with a checkpoint (the RunPoint and this) every
-  /// checkpoint_interval frames and at the end. A SolverFailure or IoError that leaves it also says where the
-  /// particles are, or how to go on.
+  /// checkpoint_interval frames and at the end. An IoError that leaves it also says how to go on, any other
+  /// Error where the particles are.
   RunSummary advance(const InterruptGuard& guard);
 
   const Simulation& simulation() const { return simulation_; }

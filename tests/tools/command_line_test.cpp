@@ -41,7 +41,7 @@ TEST_F(CommandLine, MistakesAreOneLineAndExitCodeTwo) {
       {{"run", "--resume"}, 2, "--resume: 1 required DIR missing"},
       {{"run", "--resume", "out", "--track", "total"}, 2, "--resume excludes --track"},
       {{"run", "--resume", "no/such/folder"}, 5, "no/such/folder: No such file or directory"},
-      {{"run", "--resume", KAPPAFLOW_SOURCE_DIR}, 5, "checkpoint.bin: cannot be read"},
+      {{"run", "--resume", KAPPAFLOW_SOURCE_DIR}, 5, "holds no checkpoint to go on from"},
       {{"run", kSmallScene, "--threads", "0"},
        2,
        "--threads: found \"0\"; expected a whole number from 1 to 1024"},

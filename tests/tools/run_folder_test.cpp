@@ -110,6 +110,15 @@ TEST_F(RunFolderFiles, RefusesAUsedFolderUnlessForced) {
   EXPECT_EQ(bytes_of(folder / "surface-total/mine.txt"), "mine");
 }
 
+TEST_F(RunFolderFiles, FramesWithoutARecordAreNotOverwrittenEither) {
+  fs::create_directories(folder / "particles");
+  RunFolder(folder, {"total"}, false);  // empty folders are no results
+  file("particles/particles_0000.vtp", "another program's");
+  EXPECT_EQ(message_of<InvalidInput>([&] { RunFolder(folder, {"total"}, false); }),
+            folder.string() + " already holds a run; --force replaces it, --out DIR writes elsewhere");
+  EXPECT_EQ(bytes_of(folder / "particles/particles_0000.vtp"), "another program's");
+}
+
 TEST_F(RunFolderFiles, TwoRunsIntoOneFolderAreRefused) {
   {
     RunFolder run(folder, {"total"}, false);
