@@ -255,18 +255,20 @@ ParticlesAt random_motion(unsigned seed, std::size_t drops, double reach) {
 TEST(Topology, RandomMotions) {
   // Merging and parting all the time, with necks and slits thinner than the lattice on the way.
   int frames = 0, other_topology = 0, other_on_lattice = 0, intersecting = 0;
+  std::size_t changes = 0;
   TopologyCounts counts;
   for (unsigned seed = 0; seed < random_motions(); ++seed) {
     TrackedRun run(random_motion(seed, 16, 2), 0.4);
     run.advance(50, 0.02);
     EXPECT_LT(run.distance_max, 0.6 * kEdge) << seed;
-    EXPECT_GT(run.seen.size(), 3u) << seed;
+    changes += run.seen.size() - 1;
     frames += run.frames;
     other_topology += run.other_topology;
     other_on_lattice += run.other_on_lattice;
     intersecting += run.intersecting;
     counts += run.counts;
   }
+  EXPECT_GT(changes, 3 * random_motions());
   EXPECT_LE(other_topology, 0.15 * frames);
   EXPECT_LE(other_on_lattice, 0.03 * frames);
   EXPECT_LE(intersecting, 0.01 * frames);
