@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
+
+#include "core/parallel.h"
 
 namespace kappaflow {
 
@@ -28,14 +31,17 @@ void vertex_rings(std::size_t vertex_count, std::span<const Triangle> triangles,
       rings.neighbour[end[v]++] = triangle[(corner + 2) % 3];
     }
 
+  parallel_for(vertex_count, [&](std::size_t v) {
+    const auto begin = rings.neighbour.begin() + rings.start[v], last = rings.neighbour.begin() + end[v];
+    std::sort(begin, last);
+    end[v] = rings.start[v] + static_cast<int>(std::unique(begin, last) - begin);
+  });
   int kept = 0;
   for (std::size_t v = 0; v < vertex_count; ++v) {
-    const auto begin = rings.neighbour.begin() + rings.start[v];
-    std::sort(begin, rings.neighbour.begin() + end[v]);
-    const auto unique_end = std::unique(begin, rings.neighbour.begin() + end[v]);
-    rings.start[v] = kept;
-    kept += static_cast<int>(std::copy(begin, unique_end, rings.neighbour.begin() + kept) -
-                             (rings.neighbour.begin() + kept));
+    const int first = std::exchange(rings.start[v], kept);
+    std::copy(rings.neighbour.begin() + first, rings.neighbour.begin() + end[v],
+              rings.neighbour.begin() + kept);
+    kept += end[v] - first;
   }
   rings.start[vertex_count] = kept;
   rings.neighbour.resize(kept);

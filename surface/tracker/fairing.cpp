@@ -96,12 +96,15 @@ void relax_rest_lengths(const VertexRings& rings, std::span<const Vec3> position
 /// For every neighbour the third corner of the triangle that runs from the vertex to it.
 void third_corners(const VertexRings& rings, std::span<const Triangle> triangles, std::vector<int>& third) {
   third.resize(rings.neighbour.size());
-  for (const Triangle& t : triangles)
+  // Of an oriented manifold no two triangles run along an edge in the same direction: each entry is set once.
+  parallel_for(triangles.size(), [&](std::size_t i) {
+    const Triangle& t = triangles[i];
     for (int corner = 0; corner < 3; ++corner) {
       const std::span<const int> ring = rings.of(t[corner]);
       const auto place = std::ranges::lower_bound(ring, t[(corner + 1) % 3]) - ring.begin();
       third[rings.start[t[corner]] + place] = t[(corner + 2) % 3];
     }
+  });
 }
 
 /// The place of edge (u, v) in VertexRings::neighbour; -1 where there is none.
