@@ -90,8 +90,8 @@ TriangleMesh directly_tracked(const std::string& method) {
   return tracker.mesh();
 }
 
-/// The largest distance between vertices of the first mesh with the same id, in sigma; infinite where fewer than 90 %
-/// of them have a partner.
+/// The largest distance between vertices of the first mesh with the same id, in sigma; infinite where fewer
+/// than 90 % of them have a partner.
 double largest_difference(vtkPolyData& surface, const TriangleMesh& mesh, vtkIdType first_vertices) {
   vtkDataArray& id = *surface.GetPointData()->GetArray("id");
   std::size_t partners = 0;
