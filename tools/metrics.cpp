@@ -22,7 +22,7 @@ std::string optional_number(const std::optional<double>& value) {
   return value ? fmt::format("{:.12g}", *value) : std::string();
 }
 
-/// The largest distance between a fresh isosurface and a mesh, each way [m]; 0 where one of them is empty.
+/// The largest distance between a fresh isosurface and a mesh, each way [sigma]; 0 where one is empty.
 void measure_distances(const Field& field, const TriangleMesh& isosurface, const TriangleMesh& mesh,
                        SurfaceMetrics& metrics) {
   if (isosurface.triangles.empty() || mesh.triangles.empty()) return;

@@ -69,8 +69,7 @@ TEST(WindingNumbers, CountOverlapsAndReversedMeshes) {
 }
 
 TEST(SeenByLattice, LeavesOutWhatPassesBetweenThePoints) {
-  // Two spheres that a thin tetrahedron's worth of mesh would join look the same; a speck is not there at
-  // all.
+  // A sphere, and a speck smaller than a cell.
   const SampledField lattice{Vec3::Constant(-2), 0.25, 0, {17, 17, 17}, {}};
   TriangleMesh sphere = extract_isosurface(lattice, [](SampledField& s) {
     s.value.clear();
