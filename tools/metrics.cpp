@@ -62,7 +62,7 @@ TriangleMesh measure_isosurface(const Field& field, double sigma, FrameMetrics& 
   TriangleMesh mesh = extract_isosurface(field, kIsosurfaceSpacing * sigma);
   metrics.isosurface_volume = area_and_volume(mesh.position, mesh.triangles).volume;
   metrics.isosurface = mesh_topology(mesh.position, mesh.triangles);
-  project_all(field, {}, mesh.position, mesh.unprojected);
+  place_on_surface(field, kIsosurfaceSpacing * sigma, ProjectionOptions{}.tolerance * sigma, mesh.position);
   return mesh;
 }
 

@@ -59,7 +59,8 @@ struct SurfaceMetrics {
   std::size_t regions_replaced = 0;    ///< TopologyCounts::replaced since the last frame
   std::size_t regions_refused = 0;     ///< likewise
   std::size_t vertices_replaced = 0;   ///< TopologyCounts::vertices_lost since the last frame
-  /// Largest distance from the vertices of the fresh isosurface, projected on f = 0, to the mesh [sigma].
+  /// Largest distance from the points of f = 0 on the edges of the fresh isosurface's lattice to the mesh
+  /// [sigma].
   double surface_without_mesh = 0;
   /// Largest distance from the centroids of the mesh's triangles to f = 0 or the fresh isosurface, whichever
   /// is nearer [sigma].
@@ -93,7 +94,7 @@ struct Compression {
 Compression compression(std::span<const float> density, double rest_density);
 
 /// Fills the isosurface_* members from an extraction at 0.25 sigma [m], and returns it, its vertices
-/// projected on the surface.
+/// moved onto f = 0 along the lattice's edges.
 TriangleMesh measure_isosurface(const Field& field, double sigma, FrameMetrics& metrics);
 
 /// max |f| / (|g| L) over the projected vertices: their distance from f = 0 in units of L =

@@ -179,6 +179,17 @@ LatticeVertex find_on_edge(const Field& field, const Vec3& from, const Vec3& to,
   return {x, at.g, exact()};
 }
 
+/// The ends of the lattice's edge that x lies on [m]; x: in units of the spacing, from the lattice's origin.
+std::pair<Vec3, Vec3> edge_of(const SampledField& lattice, const Vec3& x) {
+  Vec3 from = x.array().round();
+  Eigen::Index axis = 0;
+  (x - from).cwiseAbs().maxCoeff(&axis);
+  Vec3 to = from;
+  from[axis] = std::floor(x[axis]);
+  to[axis] = std::ceil(x[axis]);
+  return {lattice.origin + lattice.spacing * from, lattice.origin + lattice.spacing * to};
+}
+
 /// Moves the extractor's vertices, in units of the spacing, onto f = 0 along the lattice's edges.
 void place_vertices(const Field& field, vtkPolyData& surface, const SampledField& samples, double tolerance,
                     LocalIsosurface& result) {
@@ -188,19 +199,17 @@ void place_vertices(const Field& field, vtkPolyData& surface, const SampledField
   result.exact.resize(n);
   result.at_side.resize(n);
   const Vec3 dims(samples.dims[0] - 1, samples.dims[1] - 1, samples.dims[2] - 1);
-  std::vector<Vec3> from(n), to(n);
   for (std::size_t v = 0; v < n; ++v) {
     Vec3 x;
     surface.GetPoint(static_cast<vtkIdType>(v), x.data());
-    const Vec3 lower = x.array().floor(), upper = x.array().ceil(), first(0, 0, samples.first_plane);
-    from[v] = samples.origin + samples.spacing * (first + lower);
-    to[v] = samples.origin + samples.spacing * (first + upper);
     result.at_side[v] = (x.array() == 0).any() || (x.array() == dims.array()).any();
+    result.position[v] = x + Vec3(0, 0, samples.first_plane);
   }
   parallel_for(
       n,
       [&](std::size_t v) {
-        const LatticeVertex found = find_on_edge(field, from[v], to[v], tolerance);
+        const auto [from, to] = edge_of(samples, result.position[v]);
+        const LatticeVertex found = find_on_edge(field, from, to, tolerance);
         result.position[v] = found.position;
         result.gradient[v] = found.gradient;
         result.exact[v] = found.exact;
@@ -209,6 +218,17 @@ void place_vertices(const Field& field, vtkPolyData& surface, const SampledField
 }
 
 }  // namespace
+
+void place_on_surface(const Field& field, double spacing, double tolerance, std::span<Vec3> position) {
+  const SampledField lattice = isosurface_lattice(field, spacing);
+  parallel_for(
+      position.size(),
+      [&](std::size_t v) {
+        const auto [from, to] = edge_of(lattice, (position[v] - lattice.origin) / spacing);
+        position[v] = find_on_edge(field, from, to, tolerance).position;
+      },
+      16);
+}
 
 LocalIsosurface local_isosurface(const Field& field, const SampledField& lattice, const LatticeBlock& block,
                                  double tolerance) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <span>
 
 #include "surface/field/field.h"
 #include "surface/mesh/triangle_mesh.h"
@@ -24,6 +25,11 @@ TriangleMesh extract_isosurface(const SampledField& lattice, const std::function
 /// The lattice of extract_isosurface(), without values: over the field's bounds, padded so that its outermost
 /// points have f < 0. No points where the bounds are empty. Throws as that does.
 SampledField isosurface_lattice(const Field& field, double spacing);
+
+/// Moves the vertices of extract_isosurface(field, spacing) along the lattice's edges onto f = 0, which the
+/// false position method (Illinois) finds to `tolerance` [m]: in thin sheets linear interpolation may be half
+/// a spacing off.
+void place_on_surface(const Field& field, double spacing, double tolerance, std::span<Vec3> position);
 
 /// Points of a lattice from `first` to `last`, both included, and the cells between them.
 struct LatticeBlock {

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <bit>
-#include <cstdlib>
 
 namespace kappaflow {
 namespace {
@@ -15,27 +14,21 @@ constexpr int distance(int a, int b, int axis) {
   return d < 0 ? -d : d;
 }
 
-/// Of each point of the neighbourhood the others of it that share a corner at least, or a face.
-constexpr std::array<Neighbourhood, 27> neighbours(bool across_faces_only) {
+/// Of each point of the neighbourhood the others of it whose distance along the axes sums to `reach` at most:
+/// those that share a face (1), an edge (2) or a corner (3).
+constexpr std::array<Neighbourhood, 27> neighbours(int reach) {
   std::array<Neighbourhood, 27> result{};
   for (int a = 0; a < 27; ++a)
     for (int b = 0; b < 27; ++b) {
       const int x = distance(a, b, 0), y = distance(a, b, 1), z = distance(a, b, 2);
-      if (a != b && x <= 1 && y <= 1 && z <= 1 && (!across_faces_only || x + y + z == 1))
-        result[a] |= 1u << b;
+      if (a != b && x <= 1 && y <= 1 && z <= 1 && x + y + z <= reach) result[a] |= 1u << b;
     }
   return result;
 }
 
-constexpr std::array<Neighbourhood, 27> kAcrossCorners = neighbours(false), kAcrossFaces = neighbours(true);
-
-/// The centre's neighbours that share an edge or a face with it.
-constexpr Neighbourhood near_centre() {
-  Neighbourhood result = 0;
-  for (int a = 0; a < 27; ++a)
-    if (distance(a, kCentre, 0) + distance(a, kCentre, 1) + distance(a, kCentre, 2) < 3) result |= 1u << a;
-  return result & kOthers;
-}
+constexpr std::array<Neighbourhood, 27> kAcrossFaces = neighbours(1), kAcrossEdges = neighbours(2),
+                                        kAcrossCorners = neighbours(3);
+constexpr Neighbourhood kNearCentre = kAcrossEdges[kCentre];
 
 /// The connected piece of the set that holds the bits of `piece`.
 Neighbourhood grown(Neighbourhood piece, Neighbourhood set, const std::array<Neighbourhood, 27>& adjacent) {
@@ -48,25 +41,24 @@ Neighbourhood grown(Neighbourhood piece, Neighbourhood set, const std::array<Nei
   return piece;
 }
 
-/// Whether the set is one piece, connected across corners.
-bool is_one_across_corners(Neighbourhood set) {
-  return set != 0 && grown(set & (~set + 1), set, kAcrossCorners) == set;
+/// Whether what of the set touches the centre in the given way is one piece within the set and `range`.
+bool is_one(Neighbourhood set, const std::array<Neighbourhood, 27>& adjacent, Neighbourhood range) {
+  const Neighbourhood touching = set & adjacent[kCentre] & kOthers;
+  return touching != 0 && (touching & ~grown(touching & (~touching + 1), set & range, adjacent)) == 0;
 }
 
-/// Whether what of the set shares a face with the centre is, near the centre, one piece connected across
-/// faces.
-bool is_one_across_faces(Neighbourhood set) {
-  const Neighbourhood touching = set & kAcrossFaces[kCentre];
-  return touching != 0 &&
-         (touching & ~grown(touching & (~touching + 1), set & near_centre(), kAcrossFaces)) == 0;
+/// Whether a change of the centre's side from or to the one keeps the pieces and handles of both, where `in`
+/// is connected across corners or edges, and `out` across faces.
+bool keeps_topology(Neighbourhood in, Neighbourhood out) {
+  return is_one(in, kAcrossCorners, kOthers) && is_one(out, kAcrossFaces, kNearCentre) &&
+         is_one(in, kAcrossEdges, kOthers) && is_one(out, kAcrossFaces, kOthers);
 }
 
 }  // namespace
 
 bool is_simple(Neighbourhood inside) {
   const Neighbourhood in = inside & kOthers, out = ~inside & kOthers;
-  return is_one_across_corners(in) && is_one_across_faces(out) && is_one_across_corners(out) &&
-         is_one_across_faces(in);
+  return keeps_topology(in, out) && keeps_topology(out, in);
 }
 
 }  // namespace kappaflow

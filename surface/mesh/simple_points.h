@@ -10,8 +10,9 @@ namespace kappaflow {
 using Neighbourhood = std::uint32_t;
 
 /// Whether the point may change sides without joining, parting, opening or filling anything: it is a simple
-/// point (Bertrand & Malandain, "A new characterization of three-dimensional simple points", 1994) both where
-/// the inside is connected across corners and the outside across faces, and the other way round.
+/// point (Bertrand & Malandain, "A new characterization of three-dimensional simple points", 1994) where the
+/// inside is connected across corners, or across edges, and the outside across faces, and the other way
+/// round. An isosurface of marching cubes connects across the edges of the one or the other.
 bool is_simple(Neighbourhood inside);
 
 }  // namespace kappaflow

@@ -9,7 +9,7 @@ namespace kappaflow {
 namespace {
 
 constexpr int kSlabPlanes = 8;
-const Vec3 kRowShift(0, 0.00137, 0.00291);  // of the rows from the lattice's points, in spacings
+const Vec3 kRowShift(0, 1.37e-7, 2.91e-7);  // of the rows from the lattice's points, in spacings
 
 /// Twice the area of (a, b, p) projected on the y-z plane, positive counter-clockwise. The same number, but
 /// for its sign, from both triangles at an edge.

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
+#include "core/nearest_on_triangle.h"
 #include "core/parallel.h"
 #include "surface/mesh/mesh_measures.h"
 #include "surface/mesh/simple_points.h"
+#include "surface/mesh/triangle_bins.h"
 #include "surface/mesh/winding_numbers.h"
 #include "surface/tracker/projection.h"
 
@@ -52,15 +55,21 @@ Vec3 sampled_gradient(const SampledField& samples, const LatticeCell& at) {
   return gradient;
 }
 
-/// The 27 points around one that is not on the lattice's rim; inside: winding number not 0.
-Neighbourhood neighbourhood(const std::array<int, 3>& dims, const std::vector<std::int8_t>& winding,
-                            const LatticeCell& at) {
+bool is_on_rim(const std::array<int, 3>& dims, const LatticeCell& at) {
+  for (int a = 0; a < 3; ++a)
+    if (at[a] == 0 || at[a] == dims[a] - 1) return true;
+  return false;
+}
+
+/// The 27 points around one that is not on the lattice's rim; is_inside: of a point's number.
+template <class Test>
+Neighbourhood neighbourhood(const std::array<int, 3>& dims, const LatticeCell& at, const Test& is_inside) {
   Neighbourhood inside = 0;
   int bit = 0;
   for (int k = at[2] - 1; k <= at[2] + 1; ++k)
     for (int j = at[1] - 1; j <= at[1] + 1; ++j) {
       const std::size_t row = (static_cast<std::size_t>(k) * dims[1] + j) * dims[0];
-      for (int i = at[0] - 1; i <= at[0] + 1; ++i, ++bit) inside |= (winding[row + i] != 0 ? 1u : 0u) << bit;
+      for (int i = at[0] - 1; i <= at[0] + 1; ++i, ++bit) inside |= (is_inside(row + i) ? 1u : 0u) << bit;
     }
   return inside;
 }
@@ -69,21 +78,38 @@ Neighbourhood neighbourhood(const std::array<int, 3>& dims, const std::vector<st
 /// parts, joins, opens or fills something.
 void deform(const std::array<int, 3>& dims, std::vector<LatticeCell>& points,
             std::vector<std::int8_t>& winding) {
-  const auto on_rim = [&](const LatticeCell& at) {
-    for (int a = 0; a < 3; ++a)
-      if (at[a] == 0 || at[a] == dims[a] - 1) return true;
-    return false;
-  };
+  const auto inside = [&](std::size_t point) { return winding[point] != 0; };
   std::size_t before = 0;
   do {
     before = points.size();
     std::erase_if(points, [&](const LatticeCell& at) {
-      if (on_rim(at) || !is_simple(neighbourhood(dims, winding, at))) return false;
+      if (is_on_rim(dims, at) || !is_simple(neighbourhood(dims, at, inside))) return false;
       std::int8_t& number = winding[(static_cast<std::size_t>(at[2]) * dims[1] + at[1]) * dims[0] + at[0]];
       number = number == 0 ? 1 : 0;
       return true;
     });
   } while (points.size() < before);
+}
+
+/// Moves the points further than `limit` from every triangle of the mesh from `near` to `certain`: the mesh
+/// has left a tip out, or a slit, that is thinner than f/|g| tells.
+void move_far_from_mesh(const TriangleMesh& mesh, double limit, const SampledField& lattice,
+                        std::vector<LatticeCell>& near, std::vector<LatticeCell>& certain) {
+  if (near.empty()) return;
+  std::vector<int> all(mesh.triangles.size());
+  std::iota(all.begin(), all.end(), 0);
+  std::erase_if(all, [&](int t) { return mesh.triangles[t] == kRemovedTriangle; });
+  const TriangleBins bins(mesh, all, limit);
+  const auto far = std::stable_partition(near.begin(), near.end(), [&](const LatticeCell& at) {
+    const Vec3 x = lattice.origin + lattice.spacing * Vec3(at[0], at[1], at[2] + lattice.first_plane);
+    return bins.any_near(x, [&](int t) {
+      const auto& [a, b, c] = mesh.triangles[t];
+      const std::array<Vec3, 3> corners{mesh.position[a], mesh.position[b], mesh.position[c]};
+      return (nearest_on_triangle(corners, x).point - x).norm() <= limit;
+    });
+  });
+  certain.insert(certain.end(), far, near.end());
+  near.erase(far, near.end());
 }
 
 /// The points in dispute of some planes of the lattice, by their numbers in these.
@@ -105,8 +131,11 @@ std::vector<LatticeCell> points_in_dispute(const Field& field, const TriangleMes
             const double f = lattice.value[index];
             if (winding[index] == (f > 0 ? 1 : 0)) continue;
             const LatticeCell at{i, j, static_cast<int>(k)};
-            const bool near = (winding[index] == 0 || winding[index] == 1) &&
-                              std::abs(f) <= limit * sampled_gradient(lattice, at).norm();
+            const bool near =
+                (winding[index] == 0 || winding[index] == 1) &&
+                std::abs(f) <= limit * sampled_gradient(lattice, at).norm() && !is_on_rim(lattice.dims, at) &&
+                is_simple(neighbourhood(lattice.dims, at,
+                                        [&](std::size_t point) { return lattice.value[point] > 0; }));
             (near ? found[k].near : found[k].certain).push_back(at);
           }
       },
@@ -116,6 +145,7 @@ std::vector<LatticeCell> points_in_dispute(const Field& field, const TriangleMes
     points.insert(points.end(), plane.certain.begin(), plane.certain.end());
     near.insert(near.end(), plane.near.begin(), plane.near.end());
   }
+  move_far_from_mesh(mesh, limit, lattice, near, points);
   deform(lattice.dims, near, winding);
   points.insert(points.end(), near.begin(), near.end());
   return points;

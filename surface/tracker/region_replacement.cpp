@@ -17,8 +17,10 @@ namespace kappaflow {
 namespace {
 
 constexpr double kGap = 0.25;        // between the mesh and the patch, in edge lengths
+constexpr double kSeamOff = 0.25;    // distance of a seam from f = 0, in edge lengths
 constexpr double kSameSide = 0.2;    // least cosine between normals of one sheet
 constexpr double kSurroundings = 4;  // reach of the triangles that a replacement looks at, in edge lengths
+constexpr int kFiner = 2;            // cells of a patch's lattice along one of the other lattice's
 constexpr int kSidePadding = 2;      // cells between all that matters and the block's sides
 constexpr int kRounds = 20;          // of smoothing the rim
 constexpr int kAttempts = 12;        // at a region, each wider than the one before
@@ -84,7 +86,7 @@ bool RegionReplacement::replace(const CellRegion& region, const CellRegion& arou
   take_out(region, around);
   if (!smooth_rim()) return false;
   const LatticeBlock block = block_around(region);
-  const LocalIsosurface iso = local_isosurface(setting_.field, setting_.lattice, block, setting_.tolerance);
+  const LocalIsosurface iso = fine_isosurface(block);
   cut_near_kept(iso);
   if (!drop_foreign_pieces(iso, region)) return false;
   unpinch_patch();
@@ -161,6 +163,19 @@ LatticeBlock RegionReplacement::block_around(const CellRegion& region) const {
     block.last[a] += padding;
   }
   return block;
+}
+
+/// The isosurface in a block of the lattice, on one as fine that its chords are near f = 0 also at rims. Its
+/// points are the lattice's and others between them: what agrees with one agrees with the other.
+LocalIsosurface RegionReplacement::fine_isosurface(const LatticeBlock& block) const {
+  SampledField lattice = setting_.lattice;
+  LatticeBlock fine = block;
+  lattice.spacing /= kFiner;
+  for (int a = 0; a < 3; ++a) {
+    fine.first[a] *= kFiner;
+    fine.last[a] *= kFiner;
+  }
+  return local_isosurface(setting_.field, lattice, fine, setting_.tolerance);
 }
 
 /// The patch is what of the isosurface keeps a distance from the mesh that stays.
@@ -299,7 +314,8 @@ bool RegionReplacement::drop_island(std::span<const std::vector<int>> loops, std
 /// Whether the seams are on the surface, and with the patch pass through nothing and have three neighbours.
 bool RegionReplacement::is_sound() {
   for (const Triangle& t : seams_)
-    if (is_off_surface(setting_.field, mesh_.position, facts_.gradient, t, setting_.off_surface)) blame(t);
+    if (is_off_surface(setting_.field, mesh_.position, facts_.gradient, t, kSeamOff * setting_.edge_length))
+      blame(t);
   if (!in_the_way_.empty()) return false;
   std::vector<Triangle> all = triangles(kept_);
   const std::size_t kept = all.size();

@@ -16,7 +16,6 @@ struct ReplacementSetting {
   const Field& field;
   const SampledField& lattice;  ///< its values are not read
   double edge_length;           ///< of the mesh [m]
-  double off_surface;           ///< limit of is_off_surface() [m]
   double tolerance;             ///< of new vertices [m]
 };
 
@@ -39,6 +38,7 @@ class RegionReplacement {
   void take_out(const CellRegion& region, const CellRegion& around);
   bool smooth_rim();
   LatticeBlock block_around(const CellRegion& region) const;
+  LocalIsosurface fine_isosurface(const LatticeBlock& block) const;
   void cut_near_kept(const LocalIsosurface& iso);
   bool drop_foreign_pieces(const LocalIsosurface& iso, const CellRegion& region);
   void unpinch_patch();

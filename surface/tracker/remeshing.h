@@ -5,6 +5,7 @@
 
 #include "surface/field/field.h"
 #include "surface/mesh/edge_edits.h"
+#include "surface/tracker/lattice_guard.h"
 #include "surface/tracker/projection.h"
 
 namespace kappaflow {
@@ -49,16 +50,18 @@ struct VertexFacts {
 /// place. No vertex is moved: those that stay keep id, position and attributes, those that come have new ids
 /// and attributes blended from where they are put.
 ///
-/// No edit turns a triangle by more than 72 degrees, takes one that far off f = 0, or leaves one that faces
-/// against the field's normals at its corners, or that faces less along them than the worst before and cos 25
-/// degrees. The order of edits depends on lengths and, where these are equal, on vertex numbers: results do
-/// not depend on the threads.
+/// No edit turns a triangle by more than 72 degrees (but for refinement where it had cut through a rim),
+/// takes one that far off f = 0, leaves one that faces against the field's normals at its corners, or that
+/// faces less along them than the worst before and cos 25 degrees, or is refused by the guard. The order of
+/// edits depends on lengths and, where these are equal, on vertex numbers: results do not depend on the
+/// threads.
 class Remesher {
  public:
   /// rings: of the mesh as it is. Afterwards rings, and arrays over the vertices other than `facts`, are to
   /// be renewed (see history()) if RemeshCounts::any().
   RemeshCounts remesh(const Field& field, const RemeshOptions& options, const ProjectionOptions& projection,
-                      const VertexRings& rings, TriangleMesh& mesh, VertexFacts facts);
+                      const VertexRings& rings, TriangleMesh& mesh, VertexFacts facts,
+                      const LatticeGuard& guard = {});
 
   /// What became of the vertices in the last remesh().
   const VertexHistory& history() const { return edits_.history(); }

@@ -90,8 +90,11 @@ TopologyCounts SurfaceTracker::change_topology(const Field& field, Comparison co
 }
 
 RemeshCounts SurfaceTracker::remesh(const Field& field) {
+  const LatticeGuard guard = options_.topology.follows_field
+                                 ? topology_guard(field, options_.topology, options_.remeshing.edge_length)
+                                 : LatticeGuard();
   const RemeshCounts counts = remesher_.remesh(field, options_.remeshing, options_.projection, rings_, mesh_,
-                                               {fairing_.gradient, fairing_.mobility});
+                                               {fairing_.gradient, fairing_.mobility}, guard);
   if (counts.any()) renew_connectivity(remesher_.history());
   return counts;
 }

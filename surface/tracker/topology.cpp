@@ -114,14 +114,20 @@ std::vector<LatticeBlock> fewest_rows(std::vector<LatticeBlock> blocks, const Sa
 
 }  // namespace
 
+SampledField topology_lattice(const Field& field, const TopologyOptions& options, double edge_length) {
+  const double scale = field.length_scale();
+  return isosurface_lattice(field, scale > 0 ? std::min(edge_length, options.spacing * scale) : edge_length);
+}
+
+LatticeGuard topology_guard(const Field& field, const TopologyOptions& options, double edge_length) {
+  return {field, topology_lattice(field, options, edge_length), kDispute * edge_length};
+}
+
 TopologyCounts TopologyChange::change(const Field& field, const TopologyOptions& options, double edge_length,
                                       const ProjectionOptions& projection, Comparison comparison,
                                       TriangleMesh& mesh, VertexFacts facts) {
-  const double scale = field.length_scale();
-  const SampledField lattice =
-      isosurface_lattice(field, scale > 0 ? std::min(edge_length, options.spacing * scale) : edge_length);
-  const ReplacementSetting setting{field, lattice, edge_length, kOffSurface * edge_length,
-                                   projection.tolerance * scale};
+  const SampledField lattice = topology_lattice(field, options, edge_length);
+  const ReplacementSetting setting{field, lattice, edge_length, projection.tolerance * field.length_scale()};
   RegionReplacement replacement(setting, mesh, facts);
   TopologyCounts& counts = replacement.counts;
   history_.vertices_at_start = static_cast<int>(mesh.vertex_count());

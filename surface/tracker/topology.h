@@ -16,6 +16,12 @@ struct TopologyOptions {
   int lattice_interval = 8;  ///< steps from one comparison with the whole lattice to the next, >= 1
 };
 
+/// The lattice that tells the surface's topology; without values. edge_length: of the mesh, > 0 [m].
+SampledField topology_lattice(const Field& field, const TopologyOptions& options, double edge_length);
+
+/// What on that lattice keeps the mesh's topology the surface's while the mesh is edited.
+LatticeGuard topology_guard(const Field& field, const TopologyOptions& options, double edge_length);
+
 /// By what a change of topology looks for disagreement.
 enum class Comparison {
   triangles,  ///< triangles off the surface
