@@ -1,14 +1,14 @@
 #include "surface/tracker/disagreement.h"
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cmath>
-#include <numeric>
 
 #include "core/nearest_on_triangle.h"
 #include "core/parallel.h"
 #include "surface/mesh/mesh_measures.h"
 #include "surface/mesh/simple_points.h"
-#include "surface/mesh/triangle_bins.h"
 #include "surface/mesh/winding_numbers.h"
 #include "surface/tracker/projection.h"
 
@@ -92,22 +92,41 @@ void deform(const std::array<int, 3>& dims, std::vector<LatticeCell>& points,
 }
 
 /// Moves the points further than `limit` from every triangle of the mesh from `near` to `certain`: the mesh
-/// has left a tip out, or a slit, that is thinner than f/|g| tells.
+/// has left a tip or a slit out that is thinner than f/|g| tells.
 void move_far_from_mesh(const TriangleMesh& mesh, double limit, const SampledField& lattice,
                         std::vector<LatticeCell>& near, std::vector<LatticeCell>& certain) {
-  if (near.empty()) return;
-  std::vector<int> all(mesh.triangles.size());
-  std::iota(all.begin(), all.end(), 0);
-  std::erase_if(all, [&](int t) { return mesh.triangles[t] == kRemovedTriangle; });
-  const TriangleBins bins(mesh, all, limit);
-  const auto far = std::stable_partition(near.begin(), near.end(), [&](const LatticeCell& at) {
-    const Vec3 x = lattice.origin + lattice.spacing * Vec3(at[0], at[1], at[2] + lattice.first_plane);
-    return bins.any_near(x, [&](int t) {
-      const auto& [a, b, c] = mesh.triangles[t];
-      const std::array<Vec3, 3> corners{mesh.position[a], mesh.position[b], mesh.position[c]};
-      return (nearest_on_triangle(corners, x).point - x).norm() <= limit;
-    });
+  enum Mark : char { other, asked, found };
+  std::vector<char> mark(static_cast<std::size_t>(lattice.dims[0]) * lattice.dims[1] * lattice.dims[2],
+                         other);
+  const auto mark_of = [&](const LatticeCell& at) -> char& {
+    return mark[at[0] + lattice.dims[0] * (at[1] + static_cast<std::size_t>(lattice.dims[1]) * at[2])];
+  };
+  for (const LatticeCell& at : near) mark_of(at) = asked;
+  const Vec3 origin = lattice.origin + Vec3(0, 0, lattice.spacing * lattice.first_plane);
+  parallel_for(mesh.triangles.size(), [&](std::size_t t) {
+    if (mesh.triangles[t] == kRemovedTriangle) return;
+    const auto& [a, b, c] = mesh.triangles[t];
+    const std::array<Vec3, 3> corner{mesh.position[a], mesh.position[b], mesh.position[c]};
+    const Vec3 least = corner[0].cwiseMin(corner[1]).cwiseMin(corner[2]),
+               most = corner[0].cwiseMax(corner[1]).cwiseMax(corner[2]);
+    LatticeCell first{}, last{}, at{};
+    for (int i = 0; i < 3; ++i) {
+      first[i] = static_cast<int>(std::clamp((least[i] - limit - origin[i]) / lattice.spacing, 0.0, 1e9)) + 1;
+      last[i] = static_cast<int>(
+          std::clamp((most[i] + limit - origin[i]) / lattice.spacing, -1.0, lattice.dims[i] - 1.0));
+    }
+    for (at[2] = first[2]; at[2] <= last[2]; ++at[2])
+      for (at[1] = first[1]; at[1] <= last[1]; ++at[1])
+        for (at[0] = first[0]; at[0] <= last[0]; ++at[0]) {
+          const std::atomic_ref<char> state(mark_of(at));
+          if (state.load(std::memory_order_relaxed) != asked) continue;
+          const Vec3 x = origin + lattice.spacing * Vec3(at[0], at[1], at[2]);
+          if ((nearest_on_triangle(corner, x).point - x).norm() <= limit)
+            state.store(found, std::memory_order_relaxed);
+        }
   });
+  const auto far = std::stable_partition(near.begin(), near.end(),
+                                         [&](const LatticeCell& at) { return mark_of(at) == found; });
   certain.insert(certain.end(), far, near.end());
   near.erase(far, near.end());
 }

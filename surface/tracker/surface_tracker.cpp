@@ -9,6 +9,7 @@
 namespace kappaflow {
 namespace {
 
+constexpr int kMendingInterval = 2;  // steps from one to the next
 constexpr int kSettlingRounds = 3;
 
 }  // namespace
@@ -34,36 +35,37 @@ TrackerStep SurfaceTracker::step(FieldMotion& motion) {
                                  motion.t1() - motion.t0(), mesh_, fairing_);
     if (options_.fairing.iterations > 0) report.residual_max = residual;
   });
-  if (options_.remeshing.edge_length > 0) {
-    if (options_.topology.follows_field) {
-      const bool compare_all = --steps_to_lattice_ <= 0;
-      if (compare_all) steps_to_lattice_ = options_.topology.lattice_interval;
-      report.topology_seconds = seconds_of([&] {
-        report.topology = change_topology(*field, compare_all ? Comparison::both : Comparison::triangles);
-      });
-    }
-    report.remesh_seconds = seconds_of([&] { report.edits = remesh(*field); });
-  }
+  --steps_to_lattice_;
+  if (++steps_unmended_ >= kMendingInterval) mend(*field, report);
   finish(report);
   return report;
 }
 
+/// Changes of topology go first: what the isosurface puts in is the remesher's to refine.
+void SurfaceTracker::mend(const Field& field, TrackerStep& report) {
+  steps_unmended_ = 0;
+  if (!(options_.remeshing.edge_length > 0)) return;
+  if (options_.topology.follows_field) {
+    const bool compare_all = steps_to_lattice_ <= 0;
+    if (compare_all) steps_to_lattice_ = options_.topology.lattice_interval;
+    change_topology(field, compare_all ? Comparison::both : Comparison::triangles, report);
+  }
+  remesh(field, report);
+}
+
 TrackerStep SurfaceTracker::settle(const Field& field) {
   TrackerStep report;
-  if (options_.remeshing.edge_length > 0 && options_.topology.follows_field) {
-    const auto change = [&](Comparison comparison) {
-      TopologyCounts counts;
-      report.topology_seconds += seconds_of([&] { counts = change_topology(field, comparison); });
-      report.topology += counts;
-      return counts.replaced > 0;
-    };
-    // What the isosurface puts in place of triangles off the surface is the remesher's to refine.
-    bool changed = change(Comparison::both);
-    for (int round = 0; changed && round < kSettlingRounds; ++round) {
-      report.remesh_seconds += seconds_of([&] { report.edits += remesh(field); });
-      changed = change(Comparison::lattice);
+  if (options_.remeshing.edge_length > 0) {
+    if (steps_unmended_ > 0) remesh(field, report);
+    Comparison comparison = Comparison::both;
+    for (int round = 0; options_.topology.follows_field && change_topology(field, comparison, report) &&
+                        round < kSettlingRounds;
+         ++round) {
+      remesh(field, report);
+      comparison = Comparison::lattice;
     }
     steps_to_lattice_ = options_.topology.lattice_interval;
+    steps_unmended_ = 0;
   }
   finish(report);
   return report;
@@ -81,22 +83,29 @@ double SurfaceTracker::project(const Field& field) {
   return project_all(field, options_.projection, mesh_.position, mesh_.unprojected, fairing_.gradient);
 }
 
-TopologyCounts SurfaceTracker::change_topology(const Field& field, Comparison comparison) {
-  const TopologyCounts counts =
-      topology_change_.change(field, options_.topology, options_.remeshing.edge_length, options_.projection,
-                              comparison, mesh_, {fairing_.gradient, fairing_.mobility});
-  if (counts.replaced > 0) renew_connectivity(topology_change_.history());
-  return counts;
+/// Returns whether something was replaced.
+bool SurfaceTracker::change_topology(const Field& field, Comparison comparison, TrackerStep& report) {
+  TopologyCounts counts;
+  report.topology_seconds += seconds_of([&] {
+    counts =
+        topology_change_.change(field, options_.topology, options_.remeshing.edge_length, options_.projection,
+                                comparison, mesh_, {fairing_.gradient, fairing_.mobility});
+    if (counts.replaced > 0) renew_connectivity(topology_change_.history());
+  });
+  report.topology += counts;
+  return counts.replaced > 0;
 }
 
-RemeshCounts SurfaceTracker::remesh(const Field& field) {
+void SurfaceTracker::remesh(const Field& field, TrackerStep& report) {
   const LatticeGuard guard = options_.topology.follows_field
                                  ? topology_guard(field, options_.topology, options_.remeshing.edge_length)
                                  : LatticeGuard();
-  const RemeshCounts counts = remesher_.remesh(field, options_.remeshing, options_.projection, rings_, mesh_,
-                                               {fairing_.gradient, fairing_.mobility}, guard);
-  if (counts.any()) renew_connectivity(remesher_.history());
-  return counts;
+  report.remesh_seconds += seconds_of([&] {
+    const RemeshCounts counts = remesher_.remesh(field, options_.remeshing, options_.projection, rings_,
+                                                 mesh_, {fairing_.gradient, fairing_.mobility}, guard);
+    if (counts.any()) renew_connectivity(remesher_.history());
+    report.edits += counts;
+  });
 }
 
 /// Brings all that depends on the connectivity up to date.

@@ -40,8 +40,9 @@ struct TrackerStep {
 };
 
 /// Tracks a surface: its vertices move with the chosen velocity, and the mesh is kept in order by edits that
-/// RemeshOptions describe and follows the surface's topology as TopologyOptions say. After a step every
-/// vertex is within ProjectionOptions::tolerance of f = 0 or flagged in TriangleMesh::unprojected.
+/// RemeshOptions describe and follows the surface's topology as TopologyOptions say, after every second step
+/// and before a frame. After a step every vertex is within ProjectionOptions::tolerance of f = 0 or flagged
+/// in TriangleMesh::unprojected.
 class SurfaceTracker {
  public:
   /// initial_mesh: on the surface f = 0 at the start of the first step. Throws InvalidInput for an unknown
@@ -67,16 +68,17 @@ class SurfaceTracker {
   void serialize(Archive& archive) {
     archive(mesh_);
     if constexpr (Archive::is_loading::value) start_from_mesh();
-    archive(fairing_, steps_to_lattice_);
+    archive(fairing_, steps_to_lattice_, steps_unmended_);
   }
 
  private:
   void start_from_mesh();
   void advect(FieldMotion& motion);
   double project(const Field& field);
-  TopologyCounts change_topology(const Field& field, Comparison comparison);
+  void mend(const Field& field, TrackerStep& report);
+  bool change_topology(const Field& field, Comparison comparison, TrackerStep& report);
   void finish(TrackerStep& report) const;
-  RemeshCounts remesh(const Field& field);
+  void remesh(const Field& field, TrackerStep& report);
   void renew_connectivity(const VertexHistory& history);
 
   TrackerOptions options_;
@@ -87,6 +89,7 @@ class SurfaceTracker {
   RungeKutta runge_kutta_;
   TopologyChange topology_change_;
   int steps_to_lattice_ = 1;  // until mesh and surface are compared on the whole lattice
+  int steps_unmended_ = 0;    // since edits and changes of topology
   Remesher remesher_;
   SurfaceVelocities velocities_;  // of the last stage of the step
   std::vector<double> area_;      // at the start of the step
