@@ -18,7 +18,7 @@ namespace {
 constexpr double kFacing = 0.9;                              // cosine to the sum of the corners' normals
 constexpr double kParallel = 2.7;                            // length of that sum
 constexpr double kAgreeing = 1;                              // such length below which it says nothing
-constexpr double kLongEdge = 4;                              // in limits
+constexpr double kLongEdge = 8;                              // in limits
 constexpr std::size_t kPointsAtOnce = std::size_t{1} << 24;  // of the lattice, in memory
 constexpr int kOverlap = 4;                                  // of slabs and blocks of it, in points
 

@@ -17,7 +17,7 @@ namespace kappaflow {
 namespace {
 
 constexpr double kGap = 0.25;        // between the mesh and the patch, in edge lengths
-constexpr double kSeamOff = 0.25;    // distance of a seam from f = 0, in edge lengths
+constexpr double kSeamOff = 0.2;     // distance of a seam from f = 0, in edge lengths
 constexpr double kSameSide = 0.2;    // least cosine between normals of one sheet
 constexpr double kSurroundings = 4;  // reach of the triangles that a replacement looks at, in edge lengths
 constexpr int kFiner = 2;            // cells of a patch's lattice along one of the other lattice's

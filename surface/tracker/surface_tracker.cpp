@@ -48,7 +48,7 @@ void SurfaceTracker::mend(const Field& field, TrackerStep& report) {
   if (options_.topology.follows_field) {
     const bool compare_all = steps_to_lattice_ <= 0;
     if (compare_all) steps_to_lattice_ = options_.topology.lattice_interval;
-    change_topology(field, compare_all ? Comparison::both : Comparison::triangles, report);
+    change_topology(field, compare_all ? Comparison::thorough : Comparison::quick, report);
   }
   remesh(field, report);
 }
@@ -56,14 +56,11 @@ void SurfaceTracker::mend(const Field& field, TrackerStep& report) {
 TrackerStep SurfaceTracker::settle(const Field& field) {
   TrackerStep report;
   if (options_.remeshing.edge_length > 0) {
-    if (steps_unmended_ > 0) remesh(field, report);
-    Comparison comparison = Comparison::both;
-    for (int round = 0; options_.topology.follows_field && change_topology(field, comparison, report) &&
-                        round < kSettlingRounds;
-         ++round) {
+    remesh(field, report);
+    for (int round = 0; options_.topology.follows_field &&
+                        change_topology(field, Comparison::thorough, report) && round < kSettlingRounds;
+         ++round)
       remesh(field, report);
-      comparison = Comparison::lattice;
-    }
     steps_to_lattice_ = options_.topology.lattice_interval;
     steps_unmended_ = 0;
   }

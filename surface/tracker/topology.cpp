@@ -10,7 +10,7 @@
 namespace kappaflow {
 namespace {
 
-constexpr double kOffSurface = 0.5;  // distance of a triangle's centroid from f = 0, in edge lengths
+constexpr double kFarOff = 0.5, kOff = 0.2;  // distance of a triangle's centroid from f = 0, in edge lengths
 constexpr double kDispute = 0.3;     // of a point of the lattice, in edge lengths
 constexpr int kCluster = 2;          // cells of a region are in blocks of so many that touch
 constexpr int kGrowth = 1;           // of a region [cells], one more in each pass
@@ -79,9 +79,8 @@ void finish(TriangleMesh& mesh, VertexFacts facts, VertexHistory& history) {
 }
 
 /// Where the triangles are not pieces of the surface.
-void add_cells_off_surface(const Field& field, const TriangleMesh& mesh, VertexFacts facts,
-                           double edge_length, const SampledField& lattice, std::vector<LatticeCell>& cells) {
-  const double limit = kOffSurface * edge_length;
+void add_cells_off_surface(const Field& field, const TriangleMesh& mesh, VertexFacts facts, double limit,
+                           const SampledField& lattice, std::vector<LatticeCell>& cells) {
   add_cells(lattice, mesh, triangles_off_surface(field, mesh, facts.gradient, limit), cells);
 }
 
@@ -132,9 +131,9 @@ TopologyCounts TopologyChange::change(const Field& field, const TopologyOptions&
   TopologyCounts& counts = replacement.counts;
   history_.vertices_at_start = static_cast<int>(mesh.vertex_count());
   std::vector<LatticeCell> cells;
-  if (comparison != Comparison::lattice)
-    add_cells_off_surface(field, mesh, facts, edge_length, lattice, cells);
-  if (comparison != Comparison::triangles) {
+  const double off_surface = (comparison == Comparison::thorough ? kOff : kFarOff) * edge_length;
+  add_cells_off_surface(field, mesh, facts, off_surface, lattice, cells);
+  if (comparison == Comparison::thorough) {
     add_cells(lattice, mesh, intersecting_triangles(mesh.position, mesh.triangles), cells);
     add_cells_in_dispute(field, mesh, edge_length, lattice, std::array{whole(lattice)}, cells);
   }

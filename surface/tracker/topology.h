@@ -24,9 +24,8 @@ LatticeGuard topology_guard(const Field& field, const TopologyOptions& options, 
 
 /// By what a change of topology looks for disagreement.
 enum class Comparison {
-  triangles,  ///< triangles off the surface
-  lattice,    ///< triangles that pass through others, and the whole lattice
-  both
+  quick,    ///< triangles further off the surface than half an edge
+  thorough  ///< those further than a fifth, triangles that pass through others, and the whole lattice
 };
 
 /// What one change of topology did.

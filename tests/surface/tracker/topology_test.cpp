@@ -301,7 +301,7 @@ struct Sheet {
     project_all(to, {}, mesh.position, mesh.unprojected, gradient);
   }
   TopologyCounts change(TopologyChange& topology, const Field& field, double edge) {
-    return topology.change(field, {.follows_field = true}, edge, {}, Comparison::both, mesh,
+    return topology.change(field, {.follows_field = true}, edge, {}, Comparison::thorough, mesh,
                            {gradient, mobility});
   }
 };
