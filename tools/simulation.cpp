@@ -11,6 +11,7 @@ namespace {
 
 // Times that differ by less are the same: rounding in the solver's sum of time steps [s].
 constexpr double kTimeTolerance = 1e-12;
+constexpr double kMendingPath = 0.8;  // of a particle from one mending of the mesh to the next [spacing]
 
 FluidSolver make_fluid(const Scene& scene, std::span<const TriangleSurface> walls) {
   const FluidParticlesAtStart start = fill_blocks(scene);
@@ -28,7 +29,10 @@ TrackedSurfaces make_surfaces(const Scene& scene, const Particles& particles) {
   const std::vector<Vec3> liquid =
       scene.fluid.emitters.empty() ? particles.position : mostly_interior_lattice(scene);
   const ParticleFieldOptions options = field_options(scene.surface, scene.fluid.spacing, liquid);
-  return {particle_field(particles, options), options, scene.surface, scene.file.string()};
+  SurfaceDescription surface = scene.surface;
+  surface.tracker.mending_interval =
+      std::max(1, static_cast<int>(kMendingPath / (scene.fluid.cfl * surface.stride)));
+  return {particle_field(particles, options), options, surface, scene.file.string()};
 }
 
 }  // namespace

@@ -15,17 +15,18 @@ namespace {
 std::vector<SurfaceTracker> make_trackers(const Field& field, double sigma,
                                           const SurfaceDescription& description, const std::string& source) {
   const double edge_length = description.edge_length * sigma;
-  const TriangleMesh mesh = initial_mesh(field, edge_length, description.tracker.projection);
+  TriangleMesh mesh = initial_mesh(field, edge_length, description.tracker.projection);
   if (mesh.triangles.empty())
     throw InvalidInput(
         fmt::format("{}: the surface is empty: Eq. 12 stays below the threshold everywhere", source));
+  TrackerOptions options = description.tracker;
+  options.remeshing.edge_length = description.remesh ? edge_length : 0;
+  options.topology.follows_field = description.topology;
+  mesh = SurfaceTracker::settled(field, std::move(mesh), options);
   std::vector<SurfaceTracker> trackers;
   trackers.reserve(description.methods.size());
   for (const std::string& method : description.methods) {
-    TrackerOptions options = description.tracker;
     options.method = method;
-    options.remeshing.edge_length = description.remesh ? edge_length : 0;
-    options.topology.follows_field = description.topology;
     trackers.emplace_back(mesh, options);
   }
   return trackers;

@@ -9,7 +9,6 @@
 namespace kappaflow {
 namespace {
 
-constexpr int kMendingInterval = 2;  // steps from one to the next
 constexpr int kSettlingRounds = 3;
 
 }  // namespace
@@ -36,7 +35,7 @@ TrackerStep SurfaceTracker::step(FieldMotion& motion) {
     if (options_.fairing.iterations > 0) report.residual_max = residual;
   });
   --steps_to_lattice_;
-  if (++steps_unmended_ >= kMendingInterval) mend(*field, report);
+  if (++steps_unmended_ >= options_.mending_interval) mend(*field, report);
   finish(report);
   return report;
 }
@@ -66,6 +65,16 @@ TrackerStep SurfaceTracker::settle(const Field& field) {
   }
   finish(report);
   return report;
+}
+
+TriangleMesh SurfaceTracker::settled(const Field& field, TriangleMesh mesh, const TrackerOptions& options) {
+  SurfaceTracker tracker(std::move(mesh), options);
+  TriangleMesh& moved = tracker.mesh_;
+  project_all(field, options.projection, moved.position, moved.unprojected, tracker.fairing_.gradient);
+  tracker.settle(field);
+  TriangleMesh at_rest = make_triangle_mesh(std::move(moved.position), std::move(moved.triangles));
+  at_rest.unprojected = std::move(moved.unprojected);
+  return at_rest;
 }
 
 void SurfaceTracker::finish(TrackerStep& report) const {

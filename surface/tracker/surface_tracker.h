@@ -24,6 +24,9 @@ struct TrackerOptions {
   FairingOptions fairing{};
   RemeshOptions remeshing{};
   TopologyOptions topology{};  ///< takes effect where remeshing does
+  /// Steps from one mending (change of topology and remeshing) to the next, >= 1. Two do where a step moves
+  /// the liquid by a third of its particles' spacing at most.
+  int mending_interval = 1;
 };
 
 /// What one step did, for metrics and timings.
@@ -40,9 +43,8 @@ struct TrackerStep {
 };
 
 /// Tracks a surface: its vertices move with the chosen velocity, and the mesh is kept in order by edits that
-/// RemeshOptions describe and follows the surface's topology as TopologyOptions say, after every second step
-/// and before a frame. After a step every vertex is within ProjectionOptions::tolerance of f = 0 or flagged
-/// in TriangleMesh::unprojected.
+/// RemeshOptions describe and follows the surface's topology as TopologyOptions say. After a step every
+/// vertex is within ProjectionOptions::tolerance of f = 0 or flagged in TriangleMesh::unprojected.
 class SurfaceTracker {
  public:
   /// initial_mesh: on the surface f = 0 at the start of the first step. Throws InvalidInput for an unknown
@@ -55,6 +57,10 @@ class SurfaceTracker {
   /// Compares the mesh with f = 0 once more, on the whole lattice, and mends it until both agree or some
   /// rounds are over: what a frame shows has the surface's topology. field: at the end of the last step.
   TrackerStep settle(const Field& field);
+
+  /// The mesh as a tracker with these options would show it after settle(), at rest: what to start from where
+  /// the first frame is to be as good as the others.
+  static TriangleMesh settled(const Field& field, TriangleMesh mesh, const TrackerOptions& options);
 
   const TriangleMesh& mesh() const { return mesh_; }
   /// TriangleMesh::source, for whoever knows the liquid to fill in.

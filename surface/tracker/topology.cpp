@@ -11,9 +11,9 @@ namespace kappaflow {
 namespace {
 
 constexpr double kFarOff = 0.5, kOff = 0.2;  // distance of a triangle's centroid from f = 0, in edge lengths
-constexpr double kDispute = 0.3;     // of a point of the lattice, in edge lengths
-constexpr int kCluster = 2;          // cells of a region are in blocks of so many that touch
-constexpr int kGrowth = 1;           // of a region [cells], one more in each pass
+constexpr double kDispute = 0.25;            // of a point of the lattice, in edge lengths
+constexpr int kCluster = 2;                  // cells of a region are in blocks of so many that touch
+constexpr int kGrowth = 1;                   // of a region [cells], one more in each pass
 constexpr int kPasses = 3;
 
 /// Groups of cells whose blocks touch, each ascending; in the order of their first cells' blocks.

@@ -74,7 +74,7 @@ TriangleMesh directly_tracked(const std::string& method) {
                                .sigma = std::vector<double>(n, kSigma),
                                .weight = std::vector<double>(n, 1.0),
                                .weight_rate = std::vector<double>(n, 0.0)};
-  constexpr int kSteps = 3 * (kFrames - 1);
+  constexpr int kStepsAFrame = 3, kSteps = kStepsAFrame * (kFrames - 1);
   const double dt = 0.1 * (kFrames - 1) / kSteps;
   const SurfaceDescription description;
   TrackerOptions options = description.tracker;
@@ -82,10 +82,13 @@ TriangleMesh directly_tracked(const std::string& method) {
   options.remeshing.edge_length = description.edge_length * kSigma;
   options.topology.follows_field = description.topology;
   RigidParticles start(at_rest, kThreshold, kBodyMotion, 0, dt);
-  SurfaceTracker tracker(initial_mesh(*start.at(0), description.edge_length * kSigma, {}), options);
+  const std::shared_ptr<const Field> field = start.at(0);
+  const TriangleMesh mesh = initial_mesh(*field, description.edge_length * kSigma, {});
+  SurfaceTracker tracker(SurfaceTracker::settled(*field, mesh, options), options);
   for (int s = 0; s < kSteps; ++s) {
     RigidParticles motion(at_rest, kThreshold, kBodyMotion, s * dt, (s + 1) * dt);
     tracker.step(motion);
+    if ((s + 1) % kStepsAFrame == 0) tracker.settle(*motion.at(motion.t1()));
   }
   return tracker.mesh();
 }
