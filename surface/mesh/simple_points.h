@@ -9,6 +9,17 @@ namespace kappaflow {
 /// 1 for the one at offset (i, j, k); 1 inside.
 using Neighbourhood = std::uint32_t;
 
+/// Of the points at offsets (i, j, k), -1 to 1 each; is_inside(i, j, k).
+template <class Test>
+Neighbourhood neighbourhood(const Test& is_inside) {
+  Neighbourhood inside = 0;
+  int bit = 0;
+  for (int k = -1; k <= 1; ++k)
+    for (int j = -1; j <= 1; ++j)
+      for (int i = -1; i <= 1; ++i, ++bit) inside |= (is_inside(i, j, k) ? 1u : 0u) << bit;
+  return inside;
+}
+
 /// Whether the point may change sides without joining, parting, opening or filling anything: it is a simple
 /// point (Bertrand & Malandain, "A new characterization of three-dimensional simple points", 1994) where the
 /// inside is connected across corners, or across edges, and the outside across faces, and the other way

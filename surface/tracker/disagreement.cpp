@@ -63,19 +63,14 @@ bool is_on_rim(const std::array<int, 3>& dims, const LatticeCell& at) {
 
 /// The 27 points around one that is not on the lattice's rim; is_inside: of a point's number.
 template <class Test>
-Neighbourhood neighbourhood(const std::array<int, 3>& dims, const LatticeCell& at, const Test& is_inside) {
-  Neighbourhood inside = 0;
-  int bit = 0;
-  for (int k = at[2] - 1; k <= at[2] + 1; ++k)
-    for (int j = at[1] - 1; j <= at[1] + 1; ++j) {
-      const std::size_t row = (static_cast<std::size_t>(k) * dims[1] + j) * dims[0];
-      for (int i = at[0] - 1; i <= at[0] + 1; ++i, ++bit) inside |= (is_inside(row + i) ? 1u : 0u) << bit;
-    }
-  return inside;
+Neighbourhood around(const std::array<int, 3>& dims, const LatticeCell& at, const Test& is_inside) {
+  return neighbourhood([&](int i, int j, int k) {
+    return is_inside((static_cast<std::size_t>(at[2] + k) * dims[1] + at[1] + j) * dims[0] + at[0] + i);
+  });
 }
 
-/// Lets the points change sides, one after the other, that can without a change of topology; what is left
-/// parts, joins, opens or fills something.
+/// Lets the points, none on the rim, change sides, one after the other, that can without a change of
+/// topology; what is left parts, joins, opens or fills something.
 void deform(const std::array<int, 3>& dims, std::vector<LatticeCell>& points,
             std::vector<std::int8_t>& winding) {
   const auto inside = [&](std::size_t point) { return winding[point] != 0; };
@@ -83,7 +78,7 @@ void deform(const std::array<int, 3>& dims, std::vector<LatticeCell>& points,
   do {
     before = points.size();
     std::erase_if(points, [&](const LatticeCell& at) {
-      if (is_on_rim(dims, at) || !is_simple(neighbourhood(dims, at, inside))) return false;
+      if (!is_simple(around(dims, at, inside))) return false;
       std::int8_t& number = winding[(static_cast<std::size_t>(at[2]) * dims[1] + at[1]) * dims[0] + at[0]];
       number = number == 0 ? 1 : 0;
       return true;
@@ -150,11 +145,11 @@ std::vector<LatticeCell> points_in_dispute(const Field& field, const TriangleMes
             const double f = lattice.value[index];
             if (winding[index] == (f > 0 ? 1 : 0)) continue;
             const LatticeCell at{i, j, static_cast<int>(k)};
-            const bool near =
-                (winding[index] == 0 || winding[index] == 1) &&
-                std::abs(f) <= limit * sampled_gradient(lattice, at).norm() && !is_on_rim(lattice.dims, at) &&
-                is_simple(neighbourhood(lattice.dims, at,
-                                        [&](std::size_t point) { return lattice.value[point] > 0; }));
+            const bool near = (winding[index] == 0 || winding[index] == 1) &&
+                              std::abs(f) <= limit * sampled_gradient(lattice, at).norm() &&
+                              !is_on_rim(lattice.dims, at) &&
+                              is_simple(around(lattice.dims, at,
+                                               [&](std::size_t point) { return lattice.value[point] > 0; }));
             (near ? found[k].near : found[k].certain).push_back(at);
           }
       },

@@ -25,11 +25,12 @@ std::vector<int> triangles_off_surface(const Field& field, const TriangleMesh& m
                                        std::span<const Vec3> gradient, double limit);
 
 /// The cells at points of the lattice that are inside the mesh and not the surface, or the reverse, and
-/// either further than `limit` [m] from f = 0, as f and its central differences tell, or such that the mesh's
-/// inside cannot be deformed into the surface's point by point (is_simple()): there a neck, slit, piece or
-/// hole is on the lattice of one and not of the other. And those at points around which the mesh goes more
-/// than once, or backwards. Only cells in `block` are looked for. The lattice is taken in slabs of at most
-/// 2^24 points; its values are not read.
+/// either further than `limit` [m] from f = 0, as f and its central differences tell, or from the mesh, or
+/// not simple (is_simple()) in the surface's inside, or such that the mesh's inside cannot be deformed into
+/// the surface's by simple points, one after the other: there a neck, slit, piece or hole is on the lattice
+/// of one and not of the other. And those at points around which the mesh goes more than once, or backwards.
+/// Only cells in `block` are looked for. The lattice is taken in slabs of at most 2^24 points; its values are
+/// not read.
 std::vector<LatticeCell> cells_in_dispute(const Field& field, const TriangleMesh& mesh, double limit,
                                           const SampledField& lattice, const LatticeBlock& block);
 

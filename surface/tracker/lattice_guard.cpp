@@ -34,12 +34,7 @@ bool LatticeGuard::allows(const Vec3& a, const Vec3& b, const Vec3& c, const Vec
 
 bool LatticeGuard::may_change_sides(const Vec3& point, double f, const Vec3& gradient) const {
   if (std::abs(f) > limit_ * gradient.norm()) return false;
-  Neighbourhood inside = 0;
-  int bit = 0;
-  for (int k = -1; k <= 1; ++k)
-    for (int j = -1; j <= 1; ++j)
-      for (int i = -1; i <= 1; ++i, ++bit) inside |= (at(point + Vec3(i, j, k)).f > 0 ? 1u : 0u) << bit;
-  return is_simple(inside);
+  return is_simple(neighbourhood([&](int i, int j, int k) { return at(point + Vec3(i, j, k)).f > 0; }));
 }
 
 }  // namespace kappaflow

@@ -47,13 +47,17 @@ bool is_contractible(Neighbourhood cubes) {
   return euler == 1 && reached.size() == cells.size();
 }
 
+/// Sparse and dense neighbourhoods in turn: half of either has a piece that is cut or a hole.
+Neighbourhood random_neighbourhood(std::mt19937& random, int n) {
+  const auto inside = static_cast<Neighbourhood>(random() & random());
+  return n % 2 == 0 ? ~inside : inside;
+}
+
 TEST(SimplePoints, HaveSurroundingsThatShrinkToAPoint) {
   std::mt19937 random(1);
   int simple = 0;
   for (int n = 0; n < 20000; ++n) {
-    // Sparse and dense neighbourhoods alike: half of either has a piece that is cut or a hole.
-    auto inside = static_cast<Neighbourhood>(random() & random());
-    if (n % 2 == 0) inside = ~inside;
+    const Neighbourhood inside = random_neighbourhood(random, n);
     if (!is_simple(inside)) continue;
     ++simple;
     ASSERT_TRUE(is_contractible(inside)) << std::hex << inside;
@@ -84,9 +88,7 @@ TEST(SimplePoints, KeepTheIsosurfacesPiecesAndHandles) {
   std::mt19937 random(2);
   int simple = 0;
   for (int n = 0; n < 20000; ++n) {
-    auto inside = static_cast<Neighbourhood>(random() & random());
-    if (n % 2 == 0) inside = ~inside;
-    inside &= (1u << 27) - 1;
+    const Neighbourhood inside = random_neighbourhood(random, n) & ((1u << 27) - 1);
     if (!is_simple(inside)) continue;
     ++simple;
     for (const bool amid_inside : {false, true}) {
