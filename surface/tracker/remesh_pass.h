@@ -23,6 +23,8 @@ inline double sharpness(const Vec3& a, const Vec3& b, const Vec3& c) {
 /// The worst triangle of a group.
 struct Worst {
   static constexpr double kFacing = 0.9;  ///< cosine to the sum of the corners' normals that is always good
+  static constexpr double kSliver = 0.966;  ///< cosine of the smallest angle: 15 degrees
+  static constexpr double kAllowance = 0.15;  ///< of facing, where a sliver goes
 
   double sharpness = 0, facing = 1;
   void add(double sharp, double face) {
@@ -30,7 +32,8 @@ struct Worst {
     facing = std::min(facing, face);
   }
   bool faces_well(const Worst& before) const {
-    return facing > 0 && facing >= std::min(kFacing, before.facing);
+    const double allowance = before.sharpness > kSliver ? kAllowance : 0;
+    return facing > 0 && facing >= std::min(kFacing, before.facing) - allowance;
   }
 };
 

@@ -141,7 +141,7 @@ bool RemeshPass::collapse_either_way(int h, bool repair) {
   return false;
 }
 
-/// repair: whether the triangles must become better; else they must not become bad.
+/// repair: whether the triangles must not become worse; else they must not become bad.
 bool RemeshPass::may_collapse(int h, bool repair) {
   const int u = edits_.origin(h), v = edits_.end(h), left = h / 3, right = edits_.twin(h) / 3;
   Worst before = fan(u), after;
@@ -151,9 +151,11 @@ bool RemeshPass::may_collapse(int h, bool repair) {
     refused |= b != v && (at(b) - at(v)).norm() > kLong * aimed_at(b, v);
     if (out / 3 == left || out / 3 == right) return;
     add_to(after, v, b, c);
-    refused |= facing(at(v), at(b), at(c), normal(u, b, c)) < kSteep;
+    // The normal of a sliver tells little.
+    refused |= sharpness(at(u), at(b), at(c)) < Worst::kSliver &&
+               facing(at(v), at(b), at(c), normal(u, b, c)) < kSteep;
   });
-  const double limit = repair ? before.sharpness - kGain : std::max(kSharp, before.sharpness);
+  const double limit = repair ? before.sharpness : std::max(kSharp, before.sharpness);
   return !refused && after.sharpness <= limit && after.faces_well(before) && edits_.can_collapse(h) &&
          !leaves_surface(h) && !spoils_lattice(u, at(v));
 }

@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kFarOff = 0.5, kOff = 0.2;  // distance of a triangle's centroid from f = 0, in edge lengths
 constexpr double kDispute = 0.25;            // of a point of the lattice, in edge lengths
+constexpr double kThread = 0.01;             // length of an edge around a thread, in edge lengths
 constexpr int kCluster = 2;                  // cells of a region are in blocks of so many that touch
 constexpr int kGrowth = 1;                   // of a region [cells], one more in each pass
 constexpr int kPasses = 3;
@@ -84,6 +85,15 @@ void add_cells_off_surface(const Field& field, const TriangleMesh& mesh, VertexF
   add_cells(lattice, mesh, triangles_off_surface(field, mesh, facts.gradient, limit), cells);
 }
 
+/// Where edges are so short that remeshing would have collapsed them if it could: around a thread.
+void add_cells_at_threads(const TriangleMesh& mesh, double shortest, const SampledField& lattice,
+                          std::vector<LatticeCell>& cells) {
+  for (const auto& [a, b, c] : mesh.triangles)
+    for (const auto& [u, v] : {std::pair(a, b), std::pair(b, c), std::pair(c, a)})
+      if (u < v && (mesh.position[u] - mesh.position[v]).squaredNorm() < shortest * shortest)
+        cells.push_back(cell_of(lattice, mesh.position[u]));
+}
+
 /// Where the inside of the mesh is not the surface's, as the lattice in the blocks tells.
 void add_cells_in_dispute(const Field& field, const TriangleMesh& mesh, double edge_length,
                           const SampledField& lattice, std::span<const LatticeBlock> blocks,
@@ -135,6 +145,7 @@ TopologyCounts TopologyChange::change(const Field& field, const TopologyOptions&
   add_cells_off_surface(field, mesh, facts, off_surface, lattice, cells);
   if (comparison == Comparison::thorough) {
     add_cells(lattice, mesh, intersecting_triangles(mesh.position, mesh.triangles), cells);
+    add_cells_at_threads(mesh, kThread * edge_length, lattice, cells);
     add_cells_in_dispute(field, mesh, edge_length, lattice, std::array{whole(lattice)}, cells);
   }
   for (int pass = 0; pass < kPasses && !cells.empty(); ++pass) {
