@@ -17,10 +17,10 @@ namespace kappaflow {
 namespace {
 
 constexpr double kGap = 0.25;        // between the mesh and the patch, in edge lengths
-constexpr double kSeamOff = 0.2;     // distance of a seam from f = 0, in edge lengths
+constexpr double kOff = 0.18;        // distance of a new triangle from f = 0, in edge lengths
 constexpr double kSameSide = 0.2;    // least cosine between normals of one sheet
 constexpr double kSurroundings = 4;  // reach of the triangles that a replacement looks at, in edge lengths
-constexpr int kFiner = 2;            // cells of a patch's lattice along one of the other lattice's
+constexpr int kFiner = 2;            // cells of a patch's lattice along one of the other lattice's, to begin with
 constexpr int kSidePadding = 2;      // cells between all that matters and the block's sides
 constexpr int kRounds = 20;          // of smoothing the rim
 constexpr int kAttempts = 12;        // at a region, each wider than the one before
@@ -86,9 +86,9 @@ bool RegionReplacement::replace(const CellRegion& region, const CellRegion& arou
   take_out(region, around);
   if (!smooth_rim()) return false;
   const LatticeBlock block = block_around(region);
-  const LocalIsosurface iso = fine_isosurface(block);
-  cut_near_kept(iso);
-  if (!drop_foreign_pieces(iso, region)) return false;
+  LocalIsosurface iso;
+  if (!make_patch(block, kFiner, region, iso)) return false;
+  if (patch_leaves_surface(iso) && !make_patch(block, 2 * kFiner, region, iso)) return false;
   unpinch_patch();
   if (removed_.empty() && patch_.empty()) return true;  // an earlier replacement has settled it
   append_vertices(iso);
@@ -165,17 +165,27 @@ LatticeBlock RegionReplacement::block_around(const CellRegion& region) const {
   return block;
 }
 
-/// The isosurface in a block of the lattice, on one as fine that its chords are near f = 0 also at rims. Its
-/// points are the lattice's and others between them: what agrees with one agrees with the other.
-LocalIsosurface RegionReplacement::fine_isosurface(const LatticeBlock& block) const {
+/// Cuts the patch out of the isosurface on a lattice that is finer by a whole number. Its points are the
+/// lattice's and others between them: what agrees with one agrees with the other.
+bool RegionReplacement::make_patch(const LatticeBlock& block, int finer, const CellRegion& region,
+                                   LocalIsosurface& iso) {
   SampledField lattice = setting_.lattice;
   LatticeBlock fine = block;
-  lattice.spacing /= kFiner;
+  lattice.spacing /= finer;
   for (int a = 0; a < 3; ++a) {
-    fine.first[a] *= kFiner;
-    fine.last[a] *= kFiner;
+    fine.first[a] *= finer;
+    fine.last[a] *= finer;
   }
-  return local_isosurface(setting_.field, lattice, fine, setting_.tolerance);
+  iso = local_isosurface(setting_.field, lattice, fine, setting_.tolerance);
+  cut_near_kept(iso);
+  return drop_foreign_pieces(iso, region);
+}
+
+/// Whether a chord of the patch misses a rim or tip.
+bool RegionReplacement::patch_leaves_surface(const LocalIsosurface& iso) const {
+  return parallel_max(patch_.size(), 0, [&](std::size_t t) {
+    return int{is_off_surface(setting_.field, iso.position, iso.gradient, patch_[t], kOff * setting_.edge_length)};
+  }) > 0;
 }
 
 /// The patch is what of the isosurface keeps a distance from the mesh that stays.
@@ -314,7 +324,7 @@ bool RegionReplacement::drop_island(std::span<const std::vector<int>> loops, std
 /// Whether the seams are on the surface, and with the patch pass through nothing and have three neighbours.
 bool RegionReplacement::is_sound() {
   for (const Triangle& t : seams_)
-    if (is_off_surface(setting_.field, mesh_.position, facts_.gradient, t, kSeamOff * setting_.edge_length))
+    if (is_off_surface(setting_.field, mesh_.position, facts_.gradient, t, kOff * setting_.edge_length))
       blame(t);
   if (!in_the_way_.empty()) return false;
   std::vector<Triangle> all = triangles(kept_);

@@ -38,7 +38,8 @@ class RegionReplacement {
   void take_out(const CellRegion& region, const CellRegion& around);
   bool smooth_rim();
   LatticeBlock block_around(const CellRegion& region) const;
-  LocalIsosurface fine_isosurface(const LatticeBlock& block) const;
+  bool make_patch(const LatticeBlock& block, int finer, const CellRegion& region, LocalIsosurface& iso);
+  bool patch_leaves_surface(const LocalIsosurface& iso) const;
   void cut_near_kept(const LocalIsosurface& iso);
   bool drop_foreign_pieces(const LocalIsosurface& iso, const CellRegion& region);
   void unpinch_patch();

@@ -32,6 +32,10 @@ struct Worst {
     facing = std::min(facing, face);
   }
   bool faces_well(const Worst& before) const {
+    return facing > 0 && facing >= std::min(kFacing, before.facing);
+  }
+  /// Enough for an edit that mends a sliver, if it makes nothing cross.
+  bool faces_fairly(const Worst& before) const {
     const double allowance = before.sharpness > kSliver ? kAllowance : 0;
     return facing > 0 && facing >= std::min(kFacing, before.facing) - allowance;
   }
@@ -83,6 +87,8 @@ class RemeshPass {
   template <class Choose>
   void collect_edges(const Choose& choose);
   bool is_off_surface(const Triangle& triangle) const;
+  bool is_off(const Vec3& centroid) const;
+  bool leaves_surface(int v, const Vec3& x) const;
   int most_bent_edge(int triangle) const;
   void project_midpoints();
   void split(int h, const Projected& midpoint);
@@ -99,6 +105,8 @@ class RemeshPass {
   bool replace(int v, const Vec3& x);
   bool may_join(std::span<const int> old, const Vec3& x);
   bool would_cross(std::span<const int> old, const Vec3& x);
+  bool would_cross(std::span<const int> old, int apex) const;
+  std::vector<int> fan_triangles(int v) const;
   bool spoils_lattice(int v, const Vec3& x) const;
   void add_facts(const Projected& projected, const VertexBlend& from);
 

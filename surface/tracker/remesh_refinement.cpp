@@ -5,7 +5,6 @@
 #include <numeric>
 
 #include "core/parallel.h"
-#include "surface/mesh/self_intersection.h"
 #include "surface/tracker/remesh_pass.h"
 
 namespace kappaflow {
@@ -65,11 +64,10 @@ void RemeshPass::refine(int triangle) {
   ++counts.splits;
 }
 
-/// Whether triangles that join x with the edges around the old ones may stand for these: each hardly turns
-/// or, where the old ones cut through a tip or a rim, faces along the surface and passes through none around.
+/// Whether triangles that join x with the edges around the old ones may stand for these: each passes through
+/// none around, and hardly turns or, where the old ones cut through a tip or a rim, faces along the surface.
 /// The normals at the corners do not tell there: they may point in opposite directions.
 bool RemeshPass::may_join(std::span<const int> old, const Vec3& x) {
-  bool turns = false;
   for (const int t : old) {
     const auto& [a, b, c] = mesh_.triangles[t];
     if (!guard_.allows(at(a), at(b), at(c), x)) return false;
@@ -77,35 +75,12 @@ bool RemeshPass::may_join(std::span<const int> old, const Vec3& x) {
     for (int h = 3 * t; h < 3 * t + 3; ++h) {
       if (std::ranges::count(old, edits_.twin(h) / 3) > 0) continue;
       const Vec3 &p = at(edits_.origin(h)), &q = at(edits_.end(h));
-      if (facing(p, q, x, before) >= kSteep) continue;
-      turns = true;
-      if (facing(p, q, x, -field_.value_and_gradient((p + q + x) / 3).g) < kAlong) return false;
+      if (facing(p, q, x, before) < kSteep &&
+          facing(p, q, x, -field_.value_and_gradient((p + q + x) / 3).g) < kAlong)
+        return false;
     }
   }
-  return !turns || !would_cross(old, x);
-}
-
-/// Whether such triangles pass through others at the same corners.
-bool RemeshPass::would_cross(std::span<const int> old, const Vec3& x) {
-  std::vector<int> around;
-  for (const int t : old)
-    for (const int v : mesh_.triangles[t])
-      edits_.for_each_out(v, [&](int out) { around.push_back(out / 3); });
-  std::ranges::sort(around);
-  around.erase(std::unique(around.begin(), around.end()), around.end());
-  std::vector<Triangle> triangles;
-  for (const int t : around)
-    if (std::ranges::count(old, t) == 0) triangles.push_back(mesh_.triangles[t]);
-  const int first_new = static_cast<int>(triangles.size()),
-            new_vertex = static_cast<int>(mesh_.vertex_count());
-  for (const int t : old)
-    for (int h = 3 * t; h < 3 * t + 3; ++h)
-      if (std::ranges::count(old, edits_.twin(h) / 3) == 0)
-        triangles.push_back({edits_.origin(h), edits_.end(h), new_vertex});
-  mesh_.position.push_back(x);
-  const std::vector<int> crossing = intersecting_triangles(mesh_.position, triangles);
-  mesh_.position.pop_back();
-  return !crossing.empty() && crossing.back() >= first_new;
+  return !would_cross(old, x);
 }
 
 /// The field is not asked where the surface is flat, and where the normals at the corners hardly turn along
@@ -119,8 +94,12 @@ bool RemeshPass::is_off_surface(const Triangle& triangle) const {
     bend = std::max(bend, (at(v) - at(u)).norm() * (s_.normal_[v] - s_.normal_[u]).norm());
   const Vec3 normals = s_.normal_[a] + s_.normal_[b] + s_.normal_[c];
   if (bend < kBend * unit && facing(at(a), at(b), at(c), normals) > Worst::kFacing) return false;
-  const ValueAndGradient centroid = field_.value_and_gradient((at(a) + at(b) + at(c)) / 3);
-  return std::abs(centroid.f) > kChord * unit * centroid.g.norm();
+  return is_off((at(a) + at(b) + at(c)) / 3);
+}
+
+bool RemeshPass::is_off(const Vec3& centroid) const {
+  const ValueAndGradient at_centroid = field_.value_and_gradient(centroid);
+  return std::abs(at_centroid.f) > kChord * options_.edge_length * at_centroid.g.norm();
 }
 
 /// The half-edge of the triangle that is longest, one along which the normal turns counting for more.

@@ -59,7 +59,7 @@ std::optional<Vec3> RemeshPass::better_place(int v, double& sharp) const {
   sharp = before.sharpness - kGain;
   for (const double share : {1.0, 0.5}) {
     const Worst after = fan_moved(v, at(v) + share * tangential, n);
-    if (!(after.sharpness < sharp) || !after.faces_well(before)) continue;
+    if (!(after.sharpness < sharp) || !after.faces_fairly(before)) continue;
     sharp = after.sharpness;
     best = at(v) + share * tangential;
   }
@@ -85,12 +85,22 @@ VertexBlend RemeshPass::blend_around(int v, const Vec3& x) const {
   return best;
 }
 
+/// Whether a triangle of v would be off the surface if v were at x.
+bool RemeshPass::leaves_surface(int v, const Vec3& x) const {
+  bool off = false;
+  edits_.for_each_out(v, [&](int out) {
+    off = off || is_off((x + at(edits_.end(out)) + at(edits_.apex(out))) / 3);
+  });
+  return off;
+}
+
 bool RemeshPass::replace(int v, const Vec3& x) {
   const Projected projected = project(field_, x, projection_);
   if (!projected.converged) return false;
   const Worst before = fan(v), after = fan_moved(v, projected.position, -projected.gradient.normalized());
-  if (!(after.sharpness <= before.sharpness - kGain) || !after.faces_well(before) ||
-      spoils_lattice(v, projected.position))
+  if (!(after.sharpness <= before.sharpness - kGain) || !after.faces_fairly(before) ||
+      spoils_lattice(v, projected.position) || leaves_surface(v, projected.position) ||
+      (!after.faces_well(before) && would_cross(fan_triangles(v), projected.position)))
     return false;
   const VertexBlend from = blend_around(v, projected.position);
   edits_.replace(v, from, projected.position);

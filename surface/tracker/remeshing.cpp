@@ -2,16 +2,19 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <tuple>
 
 #include "core/parallel.h"
+#include "surface/mesh/self_intersection.h"
 #include "surface/tracker/remesh_pass.h"
 
 namespace kappaflow {
 namespace {
 
 constexpr double kGrading = 0.4;      // largest change of the length aimed at per length along the surface
+constexpr int kCrossingRings = 2;     // of triangles that an edit might pass through
 constexpr int kGradingPasses = 3;     // more follow in the next steps
 constexpr double kFlipMargin = 1e-9;  // of the sum of cotangents
 
@@ -145,19 +148,22 @@ bool RemeshPass::collapse_either_way(int h, bool repair) {
 bool RemeshPass::may_collapse(int h, bool repair) {
   const int u = edits_.origin(h), v = edits_.end(h), left = h / 3, right = edits_.twin(h) / 3;
   Worst before = fan(u), after;
-  bool refused = false;
+  bool refused = false, turns_sliver = false;
   edits_.for_each_out(u, [&](int out) {
     const int b = edits_.end(out), c = edits_.apex(out);
     refused |= b != v && (at(b) - at(v)).norm() > kLong * aimed_at(b, v);
     if (out / 3 == left || out / 3 == right) return;
     add_to(after, v, b, c);
-    // The normal of a sliver tells little.
-    refused |= sharpness(at(u), at(b), at(c)) < Worst::kSliver &&
-               facing(at(v), at(b), at(c), normal(u, b, c)) < kSteep;
+    if (facing(at(v), at(b), at(c), normal(u, b, c)) >= kSteep) return;
+    const bool sliver = sharpness(at(u), at(b), at(c)) > Worst::kSliver;  // its normal tells little
+    turns_sliver |= sliver;
+    refused |= !repair || !sliver;
   });
   const double limit = repair ? before.sharpness : std::max(kSharp, before.sharpness);
-  return !refused && after.sharpness <= limit && after.faces_well(before) && edits_.can_collapse(h) &&
-         !leaves_surface(h) && !spoils_lattice(u, at(v));
+  const bool plain = !turns_sliver && after.faces_well(before);
+  return !refused && after.sharpness <= limit && (plain || (repair && after.faces_fairly(before))) &&
+         edits_.can_collapse(h) && !leaves_surface(h) && !spoils_lattice(u, at(v)) &&
+         (plain || !would_cross(fan_triangles(u), v));
 }
 
 /// Whether the lattice's points tell against moving v to x.
@@ -167,6 +173,45 @@ bool RemeshPass::spoils_lattice(int v, const Vec3& x) const {
     spoils = spoils || !guard_.allows(at(v), at(edits_.end(out)), at(edits_.apex(out)), x);
   });
   return spoils;
+}
+
+/// Whether the triangles that join x with the edges around the old ones pass through others at the same
+/// corners.
+bool RemeshPass::would_cross(std::span<const int> old, const Vec3& x) {
+  const int apex = static_cast<int>(mesh_.vertex_count());
+  mesh_.position.push_back(x);
+  const bool crosses = would_cross(old, apex);
+  mesh_.position.pop_back();
+  return crosses;
+}
+
+/// The same of those that join a vertex.
+bool RemeshPass::would_cross(std::span<const int> old, int apex) const {
+  const auto is_old = [&](int t) { return std::ranges::count(old, t) > 0; };
+  std::vector<int> around(old.begin(), old.end());
+  for (int ring = 0; ring < kCrossingRings; ++ring) {
+    for (std::size_t i = 0, n = around.size(); i < n; ++i)
+      for (const int v : mesh_.triangles[around[i]])
+        edits_.for_each_out(v, [&](int out) { around.push_back(out / 3); });
+    std::ranges::sort(around);
+    around.erase(std::unique(around.begin(), around.end()), around.end());
+  }
+  std::vector<Triangle> triangles;
+  for (const int t : around)
+    if (!is_old(t)) triangles.push_back(mesh_.triangles[t]);
+  const int first_new = static_cast<int>(triangles.size());
+  for (const int t : old)
+    for (int h = 3 * t; h < 3 * t + 3; ++h)
+      if (const int u = edits_.origin(h), v = edits_.end(h); !is_old(edits_.twin(h) / 3) && u != apex && v != apex)
+        triangles.push_back({u, v, apex});
+  const std::vector<int> crossing = intersecting_triangles(mesh_.position, triangles);
+  return !crossing.empty() && crossing.back() >= first_new;
+}
+
+std::vector<int> RemeshPass::fan_triangles(int v) const {
+  std::vector<int> fan;
+  edits_.for_each_out(v, [&](int out) { fan.push_back(out / 3); });
+  return fan;
 }
 
 Worst RemeshPass::fan(int v) const {
@@ -214,10 +259,11 @@ bool RemeshPass::flip(int h) {
   add_to(after, u, b, a);
   add_to(after, v, a, b);
   const Vec3 facing_before = normal(u, v, a) + normal(v, u, b);
-  if (!(after.sharpness < before.sharpness) || !after.faces_well(before) ||
+  if (!(after.sharpness < before.sharpness) || !after.faces_fairly(before) ||
       facing(at(u), at(b), at(a), facing_before) < kSteep ||
       facing(at(v), at(a), at(b), facing_before) < kSteep || is_off_surface({u, b, a}) ||
-      is_off_surface({v, a, b}) || !guard_.allows(at(u), at(v), at(a), at(b)) || !edits_.flip(h))
+      is_off_surface({v, a, b}) || !guard_.allows(at(u), at(v), at(a), at(b)) ||
+      (!after.faces_well(before) && would_cross(std::array{h / 3, edits_.twin(h) / 3}, a)) || !edits_.flip(h))
     return false;
   ++counts.flips;
   return true;

@@ -9,7 +9,7 @@
 namespace kappaflow {
 namespace {
 
-constexpr int kSettlingRounds = 3;
+constexpr int kSettlingRounds = 4;
 
 }  // namespace
 

@@ -10,7 +10,7 @@
 namespace kappaflow {
 namespace {
 
-constexpr double kFarOff = 0.5, kOff = 0.2;  // distance of a triangle's centroid from f = 0, in edge lengths
+constexpr double kFarOff = 0.5, kOff = 0.18;  // distance of a triangle's centroid from f = 0, in edge lengths
 constexpr double kDispute = 0.25;            // of a point of the lattice, in edge lengths
 constexpr double kThread = 0.01;             // length of an edge around a thread, in edge lengths
 constexpr int kCluster = 2;                  // cells of a region are in blocks of so many that touch
