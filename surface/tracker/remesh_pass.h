@@ -69,6 +69,7 @@ class RemeshPass {
 
  private:
   static constexpr double kLong = 1.5, kShort = 0.6;  // in lengths aimed at: half of a long edge is not short
+  static constexpr double kTooLong = 2;               // even where a sliver goes for it
   static constexpr double kSteep = 0.3;               // least cosine by which an edit may turn a triangle
   static constexpr double kSharp = 0.927;  // cosine of the smallest angle that needs no repair: 22 degrees
   static constexpr double kGain = 1e-3;    // least improvement of that cosine which is worth an edit

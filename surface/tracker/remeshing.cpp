@@ -148,10 +148,11 @@ bool RemeshPass::collapse_either_way(int h, bool repair) {
 bool RemeshPass::may_collapse(int h, bool repair) {
   const int u = edits_.origin(h), v = edits_.end(h), left = h / 3, right = edits_.twin(h) / 3;
   Worst before = fan(u), after;
+  const double longest = repair && before.sharpness > Worst::kSliver ? kTooLong : kLong;
   bool refused = false, turns_sliver = false;
   edits_.for_each_out(u, [&](int out) {
     const int b = edits_.end(out), c = edits_.apex(out);
-    refused |= b != v && (at(b) - at(v)).norm() > kLong * aimed_at(b, v);
+    refused |= b != v && (at(b) - at(v)).norm() > longest * aimed_at(b, v);
     if (out / 3 == left || out / 3 == right) return;
     add_to(after, v, b, c);
     if (facing(at(v), at(b), at(c), normal(u, b, c)) >= kSteep) return;
