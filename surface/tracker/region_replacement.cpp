@@ -20,10 +20,10 @@ constexpr double kGap = 0.25;        // between the mesh and the patch, in edge 
 constexpr double kOff = 0.18;        // distance of a new triangle from f = 0, in edge lengths
 constexpr double kSameSide = 0.2;    // least cosine between normals of one sheet
 constexpr double kSurroundings = 4;  // reach of the triangles that a replacement looks at, in edge lengths
-constexpr int kFiner = 2;            // cells of a patch's lattice along one of the other lattice's, to begin with
-constexpr int kSidePadding = 2;      // cells between all that matters and the block's sides
-constexpr int kRounds = 20;          // of smoothing the rim
-constexpr int kAttempts = 12;        // at a region, each wider than the one before
+constexpr int kFiner = 2;        // cells of a patch's lattice along one of the other lattice's, to begin with
+constexpr int kSidePadding = 2;  // cells between all that matters and the block's sides
+constexpr int kRounds = 20;      // of smoothing the rim
+constexpr int kAttempts = 12;    // at a region, each wider than the one before
 constexpr std::size_t kSmallestPiece = 3;  // triangles of a patch that is worth sewing in
 constexpr std::size_t kLongestFill = 80;   // corners of a loop that is filled
 
@@ -88,7 +88,8 @@ bool RegionReplacement::replace(const CellRegion& region, const CellRegion& arou
   const LatticeBlock block = block_around(region);
   LocalIsosurface iso;
   if (!make_patch(block, kFiner, region, iso)) return false;
-  if (patch_leaves_surface(iso) && !make_patch(block, 2 * kFiner, region, iso)) return false;
+  if (setting_.may_be_finer && patch_leaves_surface(iso) && !make_patch(block, 2 * kFiner, region, iso))
+    return false;
   unpinch_patch();
   if (removed_.empty() && patch_.empty()) return true;  // an earlier replacement has settled it
   append_vertices(iso);
@@ -184,8 +185,9 @@ bool RegionReplacement::make_patch(const LatticeBlock& block, int finer, const C
 /// Whether a chord of the patch misses a rim or tip.
 bool RegionReplacement::patch_leaves_surface(const LocalIsosurface& iso) const {
   return parallel_max(patch_.size(), 0, [&](std::size_t t) {
-    return int{is_off_surface(setting_.field, iso.position, iso.gradient, patch_[t], kOff * setting_.edge_length)};
-  }) > 0;
+           return int{is_off_surface(setting_.field, iso.position, iso.gradient, patch_[t],
+                                     kOff * setting_.edge_length)};
+         }) > 0;
 }
 
 /// The patch is what of the isosurface keeps a distance from the mesh that stays.

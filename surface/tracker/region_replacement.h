@@ -17,6 +17,7 @@ struct ReplacementSetting {
   const SampledField& lattice;  ///< its values are not read
   double edge_length;           ///< of the mesh [m]
   double tolerance;             ///< of new vertices [m]
+  bool may_be_finer;            ///< whether patches whose chords miss a rim or tip are made finer
 };
 
 /// A mesh under replacements: triangles taken out are kRemovedTriangle, vertices keep their numbers, new ones

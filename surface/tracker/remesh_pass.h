@@ -22,7 +22,7 @@ inline double sharpness(const Vec3& a, const Vec3& b, const Vec3& c) {
 
 /// The worst triangle of a group.
 struct Worst {
-  static constexpr double kFacing = 0.9;  ///< cosine to the sum of the corners' normals that is always good
+  static constexpr double kFacing = 0.9;    ///< cosine to the sum of the corners' normals that is always good
   static constexpr double kSliver = 0.966;  ///< cosine of the smallest angle: 15 degrees
   static constexpr double kAllowance = 0.15;  ///< of facing, where a sliver goes
 

@@ -88,9 +88,8 @@ VertexBlend RemeshPass::blend_around(int v, const Vec3& x) const {
 /// Whether a triangle of v would be off the surface if v were at x.
 bool RemeshPass::leaves_surface(int v, const Vec3& x) const {
   bool off = false;
-  edits_.for_each_out(v, [&](int out) {
-    off = off || is_off((x + at(edits_.end(out)) + at(edits_.apex(out))) / 3);
-  });
+  edits_.for_each_out(
+      v, [&](int out) { off = off || is_off((x + at(edits_.end(out)) + at(edits_.apex(out))) / 3); });
   return off;
 }
 

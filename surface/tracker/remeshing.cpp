@@ -203,7 +203,8 @@ bool RemeshPass::would_cross(std::span<const int> old, int apex) const {
   const int first_new = static_cast<int>(triangles.size());
   for (const int t : old)
     for (int h = 3 * t; h < 3 * t + 3; ++h)
-      if (const int u = edits_.origin(h), v = edits_.end(h); !is_old(edits_.twin(h) / 3) && u != apex && v != apex)
+      if (const int u = edits_.origin(h), v = edits_.end(h);
+          !is_old(edits_.twin(h) / 3) && u != apex && v != apex)
         triangles.push_back({u, v, apex});
   const std::vector<int> crossing = intersecting_triangles(mesh_.position, triangles);
   return !crossing.empty() && crossing.back() >= first_new;

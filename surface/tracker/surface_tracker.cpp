@@ -56,10 +56,13 @@ TrackerStep SurfaceTracker::settle(const Field& field) {
   TrackerStep report;
   if (options_.remeshing.edge_length > 0) {
     remesh(field, report);
-    for (int round = 0; options_.topology.follows_field &&
-                        change_topology(field, Comparison::thorough, report) && round < kSettlingRounds;
-         ++round)
+    Comparison comparison = Comparison::thorough;
+    for (int round = 0; options_.topology.follows_field && change_topology(field, comparison, report) &&
+                        round < kSettlingRounds;
+         ++round) {
       remesh(field, report);
+      comparison = Comparison::repeated;
+    }
     steps_to_lattice_ = options_.topology.lattice_interval;
     steps_unmended_ = 0;
   }

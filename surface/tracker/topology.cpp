@@ -11,10 +11,10 @@ namespace kappaflow {
 namespace {
 
 constexpr double kFarOff = 0.5, kOff = 0.18;  // distance of a triangle's centroid from f = 0, in edge lengths
-constexpr double kDispute = 0.25;            // of a point of the lattice, in edge lengths
-constexpr double kThread = 0.01;             // length of an edge around a thread, in edge lengths
-constexpr int kCluster = 2;                  // cells of a region are in blocks of so many that touch
-constexpr int kGrowth = 1;                   // of a region [cells], one more in each pass
+constexpr double kDispute = 0.25;             // of a point of the lattice, in edge lengths
+constexpr double kThread = 0.01;              // length of an edge around a thread, in edge lengths
+constexpr int kCluster = 2;                   // cells of a region are in blocks of so many that touch
+constexpr int kGrowth = 1;                    // of a region [cells], one more in each pass
 constexpr int kPasses = 3;
 
 /// Groups of cells whose blocks touch, each ascending; in the order of their first cells' blocks.
@@ -136,14 +136,15 @@ TopologyCounts TopologyChange::change(const Field& field, const TopologyOptions&
                                       const ProjectionOptions& projection, Comparison comparison,
                                       TriangleMesh& mesh, VertexFacts facts) {
   const SampledField lattice = topology_lattice(field, options, edge_length);
-  const ReplacementSetting setting{field, lattice, edge_length, projection.tolerance * field.length_scale()};
+  const ReplacementSetting setting{field, lattice, edge_length, projection.tolerance * field.length_scale(),
+                                   comparison == Comparison::repeated};
   RegionReplacement replacement(setting, mesh, facts);
   TopologyCounts& counts = replacement.counts;
   history_.vertices_at_start = static_cast<int>(mesh.vertex_count());
   std::vector<LatticeCell> cells;
-  const double off_surface = (comparison == Comparison::thorough ? kOff : kFarOff) * edge_length;
+  const double off_surface = (comparison == Comparison::quick ? kFarOff : kOff) * edge_length;
   add_cells_off_surface(field, mesh, facts, off_surface, lattice, cells);
-  if (comparison == Comparison::thorough) {
+  if (comparison != Comparison::quick) {
     add_cells(lattice, mesh, intersecting_triangles(mesh.position, mesh.triangles), cells);
     add_cells_at_threads(mesh, kThread * edge_length, lattice, cells);
     add_cells_in_dispute(field, mesh, edge_length, lattice, std::array{whole(lattice)}, cells);

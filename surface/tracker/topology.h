@@ -24,8 +24,9 @@ LatticeGuard topology_guard(const Field& field, const TopologyOptions& options, 
 
 /// By what a change of topology looks for disagreement.
 enum class Comparison {
-  quick,    ///< triangles further off the surface than half an edge
-  thorough  ///< those further than a fifth, triangles that pass through others, and the whole lattice
+  quick,     ///< triangles further off the surface than half an edge
+  thorough,  ///< those further than 0.18 edges, triangles that pass through others, the whole lattice
+  repeated   ///< the same after another: patches whose chords miss a rim or tip are made finer
 };
 
 /// What one change of topology did.
