@@ -50,11 +50,11 @@ struct VertexFacts {
 /// place. No vertex is moved: those that stay keep id, position and attributes, those that come have new ids
 /// and attributes blended from where they are put.
 ///
-/// No edit turns a triangle by more than 72 degrees (but for refinement where it had cut through a rim),
-/// takes one that far off f = 0, leaves one that faces against the field's normals at its corners, or that
-/// faces less along them than the worst before and cos 25 degrees, or is refused by the guard. The order of
-/// edits depends on lengths and, where these are equal, on vertex numbers: results do not depend on the
-/// threads.
+/// No edit turns a triangle by more than 72 degrees, takes one that far off f = 0, leaves one that faces less
+/// along the field's normals at its corners than the worst before and cos 25 degrees, or is refused by the
+/// guard; but one that mends an angle below 15 degrees, or a rim cut off, may turn more and face less if it
+/// crosses no triangle around. The order of edits depends on lengths and, where these are equal, on vertex
+/// numbers: results do not depend on the threads.
 class Remesher {
  public:
   /// rings: of the mesh as it is. Afterwards rings, and arrays over the vertices other than `facts`, are to
