@@ -261,6 +261,7 @@ TEST(Topology, RandomMotions) {
     TrackedRun run(random_motion(seed, 16, 2), 0.4);
     run.advance(50, 0.02);
     EXPECT_LT(run.distance_max, 0.25 * kEdge) << seed;
+    EXPECT_LT(run.angles_outside_max, 0.05) << seed;
     changes += run.seen.size() - 1;
     frames += run.frames;
     other_topology += run.other_topology;
