@@ -17,7 +17,6 @@ namespace kappaflow {
 namespace {
 
 constexpr double kGap = 0.25;        // between the mesh and the patch, in edge lengths
-constexpr double kOff = 0.18;        // distance of a new triangle from f = 0, in edge lengths
 constexpr double kSameSide = 0.2;    // least cosine between normals of one sheet
 constexpr double kSurroundings = 4;  // reach of the triangles that a replacement looks at, in edge lengths
 constexpr int kFiner = 2;        // cells of a patch's lattice along one of the other lattice's, to begin with
@@ -185,8 +184,8 @@ bool RegionReplacement::make_patch(const LatticeBlock& block, int finer, const C
 /// Whether a chord of the patch misses a rim or tip.
 bool RegionReplacement::patch_leaves_surface(const LocalIsosurface& iso) const {
   return parallel_max(patch_.size(), 0, [&](std::size_t t) {
-           return int{is_off_surface(setting_.field, iso.position, iso.gradient, patch_[t],
-                                     kOff * setting_.edge_length)};
+           return int{
+               is_off_surface(setting_.field, iso.position, iso.gradient, patch_[t], setting_.off_surface)};
          }) > 0;
 }
 
@@ -326,8 +325,7 @@ bool RegionReplacement::drop_island(std::span<const std::vector<int>> loops, std
 /// Whether the seams are on the surface, and with the patch pass through nothing and have three neighbours.
 bool RegionReplacement::is_sound() {
   for (const Triangle& t : seams_)
-    if (is_off_surface(setting_.field, mesh_.position, facts_.gradient, t, kOff * setting_.edge_length))
-      blame(t);
+    if (is_off_surface(setting_.field, mesh_.position, facts_.gradient, t, setting_.off_surface)) blame(t);
   if (!in_the_way_.empty()) return false;
   std::vector<Triangle> all = triangles(kept_);
   const std::size_t kept = all.size();

@@ -17,6 +17,7 @@ struct ReplacementSetting {
   const SampledField& lattice;  ///< its values are not read
   double edge_length;           ///< of the mesh [m]
   double tolerance;             ///< of new vertices [m]
+  double off_surface;           ///< distance from f = 0 beyond which a new triangle is not wanted [m]
   bool may_be_finer;            ///< whether patches whose chords miss a rim or tip are made finer
 };
 

@@ -176,8 +176,7 @@ bool RemeshPass::spoils_lattice(int v, const Vec3& x) const {
   return spoils;
 }
 
-/// Whether the triangles that join x with the edges around the old ones pass through others at the same
-/// corners.
+/// Whether the triangles that join x with the edges around the old ones pass through others nearby.
 bool RemeshPass::would_cross(std::span<const int> old, const Vec3& x) {
   const int apex = static_cast<int>(mesh_.vertex_count());
   mesh_.position.push_back(x);

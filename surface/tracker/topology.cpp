@@ -136,7 +136,11 @@ TopologyCounts TopologyChange::change(const Field& field, const TopologyOptions&
                                       const ProjectionOptions& projection, Comparison comparison,
                                       TriangleMesh& mesh, VertexFacts facts) {
   const SampledField lattice = topology_lattice(field, options, edge_length);
-  const ReplacementSetting setting{field, lattice, edge_length, projection.tolerance * field.length_scale(),
+  const ReplacementSetting setting{field,
+                                   lattice,
+                                   edge_length,
+                                   projection.tolerance * field.length_scale(),
+                                   kOff * edge_length,
                                    comparison == Comparison::repeated};
   RegionReplacement replacement(setting, mesh, facts);
   TopologyCounts& counts = replacement.counts;
