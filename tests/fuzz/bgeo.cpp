@@ -4,7 +4,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace kappaflow;
-  const std::filesystem::path file = memory_file("particles.bgeo", bytes_of(data, size));
+  const std::filesystem::path file = input_file("particles.bgeo", bytes_of(data, size));
   value_or_error([&] { read_input_frame(file); });
   return 0;
 }

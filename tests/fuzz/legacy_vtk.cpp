@@ -5,7 +5,7 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace kappaflow;
   const std::string_view bytes = bytes_of(data, size);
-  const std::filesystem::path file = memory_file("particles.vtk", bytes);
+  const std::filesystem::path file = input_file("particles.vtk", bytes);
   value_or_error([&] { read_input_frame(file); });
   return 0;
 }

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 
@@ -18,12 +19,15 @@ inline std::string_view bytes_of(const std::uint8_t* data, std::size_t size) {
   return {reinterpret_cast<const char*>(data), size};
 }
 
-/// The input as a file in memory, for readers that take a path; it is overwritten by the next of that name.
-inline std::filesystem::path memory_file(std::string_view name, std::string_view bytes) {
+/// The input as a file for readers that take a path, in the folder for temporary files; it is overwritten by
+/// the next of that name.
+inline std::filesystem::path input_file(std::string_view name, std::string_view bytes) {
   static const struct Folder {
-    Folder() { mkdtemp(path.data()); }
+    Folder() {
+      if (mkdtemp(path.data()) == nullptr) throw std::runtime_error("no folder " + path);
+    }
     ~Folder() { std::filesystem::remove_all(path); }
-    std::string path = "/dev/shm/kappaflow-fuzz-XXXXXX";
+    std::string path = std::filesystem::temp_directory_path() / "kappaflow-fuzz-XXXXXX";
   } folder;
   const std::filesystem::path file = std::filesystem::path(folder.path) / name;
   std::ofstream(file, std::ios::binary) << bytes;

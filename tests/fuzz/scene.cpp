@@ -6,7 +6,7 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace kappaflow;
   const std::string_view bytes = bytes_of(data, size);
-  const std::filesystem::path file = memory_file("scene.toml", bytes);
+  const std::filesystem::path file = input_file("scene.toml", bytes);
   value_or_error([&] { load_scene(file); });
   return 0;
 }

@@ -7,7 +7,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace kappaflow;
   const std::string_view bytes = bytes_of(data, size);
   const bool grid = bytes.find("UnstructuredGrid") != std::string_view::npos;
-  const std::filesystem::path file = memory_file(grid ? "particles.vtu" : "particles.vtp", bytes);
+  const std::filesystem::path file = input_file(grid ? "particles.vtu" : "particles.vtp", bytes);
   value_or_error([&] { read_input_frame(file); });
   if (!grid) value_or_error([&] { read_particle_file(file); });
   return 0;
