@@ -79,7 +79,9 @@ void flush_to_disk(const fs::path& path) {
 }
 
 void append_lines(const fs::path& path, std::string_view lines) {
-  const std::uint64_t size = size_of_file(path);
+  std::error_code error;
+  const std::uint64_t size = fs::file_size(path, error);
+  if (error) fail(path, "cannot be read", error.value());
   const int reason = write_all(path, "ab", lines);
   if (reason == 0) return;
   std::error_code ignored;
@@ -87,16 +89,15 @@ void append_lines(const fs::path& path, std::string_view lines) {
   fail_to_write(path, "appended", lines.size(), reason);
 }
 
-std::uint64_t size_of_file(const fs::path& path) {
-  std::error_code error;
-  const std::uint64_t size = fs::file_size(path, error);
-  if (error) fail(path, "cannot be read", error.value());
-  return size;
-}
-
-void cut_file(const fs::path& path, std::uint64_t size) {
-  if (const std::uint64_t now = size_of_file(path); now < size)
-    throw IoError(path.string(), fmt::format("has {} bytes; it had {}", now, size));
+void cut_to_lines(const fs::path& path, std::size_t lines) {
+  const std::string text = read_file(path);
+  std::size_t size = 0;
+  for (std::size_t line = 0; line < lines; ++line) {
+    const std::size_t end = text.find('\n', size);
+    if (end == std::string::npos)
+      throw IoError(path.string(), fmt::format("has {} lines; it had {}", line, lines));
+    size = end + 1;
+  }
   std::error_code error;
   fs::resize_file(path, size, error);
   if (error) fail(path, "cannot be cut back", error.value());

@@ -1,7 +1,7 @@
 // Files that are either complete under their final name or absent.
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -21,11 +21,8 @@ void flush_to_disk(const std::filesystem::path& path);
 /// Appends whole lines and flushes; a failed append leaves the file as it was. Throws IoError.
 void append_lines(const std::filesystem::path& path, std::string_view lines);
 
-/// Of a file that is there. Throws IoError.
-std::uint64_t size_of_file(const std::filesystem::path& path);
-
-/// Cuts what stands after the first `size` bytes. Throws IoError, also where the file is shorter.
-void cut_file(const std::filesystem::path& path, std::uint64_t size);
+/// Cuts what stands after the first `lines` lines. Throws IoError, also where the file has fewer whole lines.
+void cut_to_lines(const std::filesystem::path& path, std::size_t lines);
 
 /// Throws IoError.
 std::string read_file(const std::filesystem::path& path);

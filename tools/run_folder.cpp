@@ -111,6 +111,7 @@ RunFolder::RunFolder(fs::path folder, std::vector<std::string> methods, bool for
   for (const std::string& method : methods_) make_folder(folder_ / ("surface-" + method));
   const std::array headers{metrics_header(), pieces_header(), timings_header()};
   for (std::size_t t = 0; t < kTables.size(); ++t) write_text(kTables[t], headers[t]);
+  table_lines_.fill(1);
 }
 
 RunFolder::RunFolder(fs::path folder) : folder_(std::move(folder)), lock_(folder_) {}
@@ -164,6 +165,7 @@ void RunFolder::finish_frame(double time, const FrameRows& rows) {
   const std::array lines{rows.metrics, rows.pieces, rows.timings};
   for (std::size_t t = 0; t < kTables.size(); ++t) {
     append_lines(folder_ / kTables[t], lines[t]);
+    table_lines_[t] += std::ranges::count(lines[t], '\n');
     written_.insert(folder_ / kTables[t]);
   }
 }
@@ -183,15 +185,8 @@ void RunFolder::write_checkpoint(std::string_view state) {
   kappaflow::write_checkpoint(folder_ / kCheckpointFile, state);
 }
 
-std::array<std::uint64_t, 3> RunFolder::sizes_of_tables() const {
-  std::array<std::uint64_t, 3> sizes;
-  std::ranges::transform(kTables, sizes.begin(),
-                         [&](const char* table) { return size_of_file(folder_ / table); });
-  return sizes;
-}
-
-void RunFolder::cut_tables(const std::array<std::uint64_t, 3>& sizes) const {
-  for (std::size_t t = 0; t < kTables.size(); ++t) cut_file(folder_ / kTables[t], sizes[t]);
+void RunFolder::cut_tables() const {
+  for (std::size_t t = 0; t < kTables.size(); ++t) cut_to_lines(folder_ / kTables[t], table_lines_[t]);
 }
 
 void RunFolder::write_collections() {

@@ -61,23 +61,21 @@ class RunFolder {
   /// See core/saved_state.h. Reading cuts the tables back to the rows that they had.
   template <class Archive>
   void serialize(Archive& archive) {
-    std::array<std::uint64_t, 3> table_sizes{};
-    if constexpr (Archive::is_saving::value) table_sizes = sizes_of_tables();
-    archive(methods_, times_, has_boundary_, boundary_moves_, table_sizes);
-    if constexpr (Archive::is_loading::value) cut_tables(table_sizes);
+    archive(methods_, times_, has_boundary_, boundary_moves_, table_lines_);
+    if constexpr (Archive::is_loading::value) cut_tables();
   }
 
  private:
   void write_data(const std::string& name, vtkPolyData& data);
   void write_text(const std::string& name, const std::string& text);
   void write_collections();
-  std::array<std::uint64_t, 3> sizes_of_tables() const;
-  void cut_tables(const std::array<std::uint64_t, 3>& sizes) const;
+  void cut_tables() const;
 
   std::filesystem::path folder_;
   FolderLock lock_;
   std::vector<std::string> methods_;
-  std::vector<double> times_;  // of the finished frames [s]
+  std::vector<double> times_;                   // of the finished frames [s]
+  std::array<std::uint64_t, 3> table_lines_{};  // of metrics, pieces and timings
   bool has_boundary_ = false, boundary_moves_ = false;
   std::set<std::filesystem::path> written_;  // since the last flush
 };

@@ -59,7 +59,7 @@ RunSummary SceneRun::advance(const InterruptGuard& guard) {
                 error.exit_code());
   }
   summary_.steps = simulation_.fluid().steps();
-  summary_.wall_seconds = seconds_before_ + watch_.seconds();
+  summary_.wall_seconds = watch_.seconds();
   summary_.interrupted_by = guard.signal();
   summary_.interrupted_at = simulation_.fluid().time();
   summary_.text =
@@ -88,7 +88,6 @@ void SceneRun::write_frame(int frame) {
 }
 
 void SceneRun::write_checkpoint() {
-  summary_.wall_seconds = seconds_before_ + watch_.seconds();
   std::ostringstream state;
   StateWriter(state, little_endian())(point_, *this);
   folder_.write_checkpoint(state.view());

@@ -52,7 +52,7 @@ class SceneRun {
   template <class Archive>
   void serialize(Archive& archive) {
     archive(simulation_, writer_, folder_, summary_);
-    if constexpr (Archive::is_loading::value) seconds_before_ = summary_.wall_seconds;
+    if constexpr (Archive::is_loading::value) summary_.setup_seconds = watch_.seconds();
   }
 
  private:
@@ -69,7 +69,6 @@ class SceneRun {
   Simulation simulation_;
   RunWriter writer_;
   RunSummary summary_;
-  double seconds_before_ = 0;  // wall time of the run before it was resumed [s]
 };
 
 }  // namespace kappaflow

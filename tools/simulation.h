@@ -15,10 +15,10 @@ struct SinceFrame {
   double solver_seconds = 0;                             ///< wall time of the liquid
   SurfacesSinceFrame surfaces;                           ///< their seconds with those of the liquid
 
-  /// See core/saved_state.h.
+  /// See core/saved_state.h; without the wall times.
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(density_error_mean, density_error_max, solver_seconds, surfaces);
+    archive(density_error_mean, density_error_max, surfaces);
   }
 };
 

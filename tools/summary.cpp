@@ -34,10 +34,12 @@ std::string time_line(const RunSummary& s) {
     output += m.seconds.output - s.shared_output_seconds;
   }
   const double solver = s.methods.front().seconds.solver;
+  const std::string since =
+      s.frames_before > 0 ? fmt::format(" since it was resumed after frame {}", s.frames_before - 1) : "";
   return fmt::format(
-      "  {:.1f} s: set-up {:.1f}, liquid {:.1f}, surfaces {:.1f}, material tracers {:.1f}, metrics and "
+      "  {:.1f} s{}: set-up {:.1f}, liquid {:.1f}, surfaces {:.1f}, material tracers {:.1f}, metrics and "
       "files {:.1f}\n",
-      s.wall_seconds, s.setup_seconds, solver, tracking, s.tracer_seconds, output);
+      s.wall_seconds, since, s.setup_seconds, solver, tracking, s.tracer_seconds, output);
 }
 
 std::string method_table(const RunSummary& s) {

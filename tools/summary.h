@@ -17,14 +17,14 @@ namespace kappaflow {
 struct MethodSummary {
   std::string name;
   std::vector<SurfaceMetrics> frames;  ///< without their `pieces`, of which there may be many
-  PhaseSeconds seconds;                ///< summed over the frames
+  PhaseSeconds seconds;                ///< summed over the frames that RunSummary times
 
   double residual_max() const;  ///< largest of all frames [sigma]
 
-  /// See core/saved_state.h.
+  /// See core/saved_state.h; without the wall times.
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(name, frames, seconds);
+    archive(name, frames);
   }
 
   void add_frame(const std::string& method, const SurfaceMetrics& metrics, const PhaseSeconds& frame_seconds);
@@ -36,6 +36,7 @@ struct RunSummary {
   std::vector<FrameMetrics> frames;  ///< the finished ones, the first included
   std::optional<double> penetration_max, density_error_mean, density_error_max;  ///< largest of all frames
   std::size_t steps = 0;                                                         ///< in time
+  std::size_t frames_before = 0;  ///< frames that were there when the run was resumed, which are not timed
   double setup_seconds = 0, tracer_seconds = 0, shared_output_seconds = 0;
   double wall_seconds = 0;
   int interrupted_by = 0;     ///< the signal; 0: none
@@ -44,11 +45,11 @@ struct RunSummary {
 
   void add_frame(const FrameMetrics& metrics, double tracers, double shared_output);
 
-  /// See core/saved_state.h.
+  /// See core/saved_state.h; without the wall times.
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(methods, frames, penetration_max, density_error_mean, density_error_max, setup_seconds,
-            tracer_seconds, shared_output_seconds, wall_seconds);
+    archive(methods, frames, penetration_max, density_error_mean, density_error_max);
+    if constexpr (Archive::is_loading::value) frames_before = frames.size();
   }
 };
 

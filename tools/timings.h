@@ -16,12 +16,6 @@ struct PhaseSeconds {
   double topology = 0;  ///< changes of the mesh's topology
   double remesh = 0;    ///< edits of the mesh
   double output = 0;    ///< metrics and files
-
-  /// See core/saved_state.h.
-  template <class Archive>
-  void serialize(Archive& archive) {
-    archive(solver, velocity, fairing, topology, remesh, output);
-  }
 };
 
 /// The physical memory that the program holds [MiB].

@@ -54,11 +54,13 @@ TEST_F(Files, DurableWriteIsWholeOrNotAtAll) {
 }
 
 TEST_F(Files, CutsBackButNeverLengthens) {
-  write_file(folder / "a", "line 1\nline 2\n");
-  cut_file(folder / "a", 7);
+  write_file(folder / "a", "line 1\nline 2\nhalf a li");
+  EXPECT_EQ(message_of<IoError>([&] { cut_to_lines(folder / "a", 3); }),
+            (folder / "a").string() + ": has 2 lines; it had 3");
+  cut_to_lines(folder / "a", 2);
+  EXPECT_EQ(read_file(folder / "a"), "line 1\nline 2\n");
+  cut_to_lines(folder / "a", 1);
   EXPECT_EQ(read_file(folder / "a"), "line 1\n");
-  EXPECT_EQ(message_of<IoError>([&] { cut_file(folder / "a", 8); }),
-            (folder / "a").string() + ": has 7 bytes; it had 8");
 }
 
 TEST_F(Files, MissingPlacesAreReported) {
