@@ -149,7 +149,7 @@ struct SceneEstimate {
   std::size_t particles = 0;           ///< of the liquid at the start, those in nozzles left out
   std::size_t emitted = 0;             ///< by emitters until the end
   std::size_t boundary_particles = 0;  ///< of the walls
-  std::size_t memory_bytes = 0;        ///< of the running program's arrays
+  std::size_t memory_bytes = 0;        ///< of the program at its peak, its libraries included
   double seconds = 0;                  ///< wall time
 };
 /// threads: on which the run will be, >= 1. The models and their constants stand in estimate.cpp; seconds are

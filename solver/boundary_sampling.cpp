@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 
 #include "core/cell_grid.h"
 #include "core/errors.h"
@@ -16,6 +17,7 @@ namespace {
 
 constexpr double kMinDistance = 0.6;        // between samples, in spacings
 constexpr double kCandidateDistance = 0.2;  // between candidates, in spacings
+constexpr std::size_t kBlock = 1 << 18;     // of candidates whose distances are known at a time
 
 /// A fixed pseudo-random permutation of the 64-bit integers (splitmix64).
 std::uint64_t scramble(std::uint64_t x) {
@@ -25,11 +27,22 @@ std::uint64_t scramble(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
+/// Where samples may lie; some 25 for every sample that there will be, so they are kept small.
+struct Candidates {
+  std::vector<Vec3> position;       ///< [m]
+  std::vector<std::uint32_t> face;  ///< that it lies under
+  std::vector<Vec3> normal;         ///< of each face
+
+  const Vec3& normal_of(std::size_t i) const { return normal[face[i]]; }
+};
+
 /// Appends points that cover abc, its border included, no further than `step` apart in rows along its longest
 /// edge; moved `depth` against the face's normal.
-void append_rows(Vec3 a, Vec3 b, Vec3 c, double depth, double step, std::vector<WallSample>& candidates) {
+void append_rows(Vec3 a, Vec3 b, Vec3 c, double depth, double step, Candidates& candidates) {
   const Vec3 normal = (b - a).cross(c - a).stableNormalized();
   if (normal.squaredNorm() == 0) return;
+  const auto face = static_cast<std::uint32_t>(candidates.normal.size());
+  candidates.normal.push_back(normal);
   while ((b - a).squaredNorm() < std::max((c - b).squaredNorm(), (a - c).squaredNorm())) {
     std::swap(a, b);
     std::swap(b, c);
@@ -40,57 +53,73 @@ void append_rows(Vec3 a, Vec3 b, Vec3 c, double depth, double step, std::vector<
     const double t = static_cast<double>(row) / rows;
     const Vec3 first = a + t * (c - a) - depth * normal, length = (1 - t) * (b - a);
     const int columns = static_cast<int>(std::ceil(length.norm() / step));
-    for (int k = 0; k <= columns; ++k)
-      candidates.push_back({first + (static_cast<double>(k) / std::max(columns, 1)) * length, normal});
+    for (int k = 0; k <= columns; ++k) {
+      candidates.position.push_back(first + (static_cast<double>(k) / std::max(columns, 1)) * length);
+      candidates.face.push_back(face);
+    }
   }
 }
 
-/// The candidates that are `depth` deep in the union: those below a convex edge are less, and would compress
-/// the liquid around it; those that another solid covers are more.
-std::vector<WallSample> at_depth(const std::vector<WallSample>& candidates,
-                                 std::span<const SolidDistance> solids, double depth) {
-  std::vector<SurfacePoint> nearest(candidates.size());
-  parallel_for(candidates.size(),
-               [&](std::size_t i) { nearest[i] = nearest_of_union(solids, candidates[i].position); });
-  std::vector<WallSample> kept;
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
-    const Vec3& x = nearest[i].position;
-    if (nearest[i].distance > -0.999 * depth && nearest[i].normal.dot(candidates[i].normal) < -0.9)
-      throw InvalidInput(
-          fmt::format("wall: thinner than {:.4g} m, {} particle spacings, at ({:.4g}, {:.4g}, {:.4g}); "
-                      "make it thicker or lower the spacing",
-                      2 * depth, kThinnestWall, x.x(), x.y(), x.z()));
-    if (std::abs(nearest[i].distance + depth) < 1e-3 * depth) kept.push_back(candidates[i]);
+/// Whether a candidate is `depth` deep in the union, of which `nearest` is the nearest point: those below a
+/// convex edge are less, and would compress the liquid around it; those that another solid covers are more.
+bool is_at_depth(const SurfacePoint& nearest, const Vec3& normal, double depth) {
+  const Vec3& x = nearest.position;
+  if (nearest.distance > -0.999 * depth && nearest.normal.dot(normal) < -0.9)
+    throw InvalidInput(
+        fmt::format("wall: thinner than {:.4g} m, {} particle spacings, at ({:.4g}, {:.4g}, {:.4g}); "
+                    "make it thicker or lower the spacing",
+                    2 * depth, kThinnestWall, x.x(), x.y(), x.z()));
+  return std::abs(nearest.distance + depth) < 1e-3 * depth;
+}
+
+/// Removes the candidates that are not `depth` deep.
+void keep_at_depth(Candidates& candidates, std::span<const SolidDistance> solids, double depth) {
+  std::vector<SurfacePoint> nearest;
+  std::size_t kept = 0;
+  for (std::size_t begin = 0; begin < candidates.position.size(); begin += kBlock) {
+    nearest.resize(std::min(kBlock, candidates.position.size() - begin));
+    parallel_for(nearest.size(), [&](std::size_t i) {
+      nearest[i] = nearest_of_union(solids, candidates.position[begin + i]);
+    });
+    for (std::size_t i = 0; i < nearest.size(); ++i) {
+      if (!is_at_depth(nearest[i], candidates.normal_of(begin + i), depth)) continue;
+      candidates.position[kept] = candidates.position[begin + i];
+      candidates.face[kept++] = candidates.face[begin + i];
+    }
   }
-  return kept;
+  candidates.position.resize(kept);
+  candidates.face.resize(kept);
+}
+
+/// The numbers below n in pseudo-random order.
+std::vector<std::uint32_t> shuffled(std::size_t n) {
+  std::vector<std::uint32_t> numbers(n);
+  std::iota(numbers.begin(), numbers.end(), 0u);
+  std::ranges::sort(numbers, {}, [](std::uint32_t i) { return scramble(i); });
+  return numbers;
 }
 
 /// Greedy maximal subset with no two points under the same side nearer than `distance`, visited in
 /// pseudo-random order.
-std::vector<WallSample> poisson_disk_subset(const std::vector<WallSample>& candidates, double distance) {
-  std::vector<Vec3> points(candidates.size());
-  std::ranges::transform(candidates, points.begin(), &WallSample::position);
+std::vector<WallSample> poisson_disk_subset(const Candidates& candidates, double distance) {
+  const std::span<const Vec3> points = candidates.position;
   CellGrid grid;
-  grid.build(std::span<const Vec3>(points), distance);
+  grid.build(points, distance);
   const auto cell_order = grid.order();
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> visits(points.size());
-  for (std::uint32_t i = 0; i < points.size(); ++i) visits[i] = {scramble(i), i};
-  std::sort(visits.begin(), visits.end());
   std::vector<char> taken(points.size(), 0);  // by place in cell order
   std::vector<std::uint32_t> place(points.size());
   for (std::size_t k = 0; k < cell_order.size(); ++k) place[cell_order[k]] = static_cast<std::uint32_t>(k);
   std::vector<WallSample> samples;
-  for (const auto& visit : visits) {
-    const std::uint32_t i = visit.second;
+  for (const std::uint32_t i : shuffled(points.size())) {
     bool free = true;
     grid.ranges_near(points[i], distance, [&](std::uint32_t begin, std::uint32_t end) {
       for (std::uint32_t k = begin; k < end && free; ++k)
         free = !taken[k] || (points[cell_order[k]] - points[i]).squaredNorm() >= distance * distance ||
-               opposite(candidates[cell_order[k]].normal, candidates[i].normal);
+               opposite(candidates.normal_of(cell_order[k]), candidates.normal_of(i));
     });
     if (!free) continue;
     taken[place[i]] = 1;
-    samples.push_back(candidates[i]);
+    samples.push_back({points[i], candidates.normal_of(i)});
   }
   return samples;
 }
@@ -100,12 +129,13 @@ std::vector<WallSample> poisson_disk_subset(const std::vector<WallSample>& candi
 std::vector<WallSample> sample_walls(std::span<const TriangleSurface> walls,
                                      std::span<const SolidDistance> solids, double spacing) {
   const double depth = kWallDepth * spacing;
-  std::vector<WallSample> candidates;
+  Candidates candidates;
   for (const TriangleSurface& wall : walls)
     for (const Triangle& t : wall.triangles)
       append_rows(wall.vertices[t[0]], wall.vertices[t[1]], wall.vertices[t[2]], depth,
                   kCandidateDistance * spacing, candidates);
-  return poisson_disk_subset(at_depth(candidates, solids, depth), kMinDistance * spacing);
+  keep_at_depth(candidates, solids, depth);
+  return poisson_disk_subset(candidates, kMinDistance * spacing);
 }
 
 }  // namespace kappaflow

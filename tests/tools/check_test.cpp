@@ -6,7 +6,7 @@
 namespace kappaflow {
 namespace {
 
-// The staircase of a thousand particles takes some megabytes, and any machine has them.
+// The staircase of a thousand particles takes tens of megabytes, and any machine has them.
 TEST(Check, ASceneThatDoesNotFitIsRefused) {
   const Scene scene = load_scene(KAPPAFLOW_SOURCE_DIR "/scenes/staircase-small.toml");
   EXPECT_NO_THROW(require_memory(scene, machine_memory()));

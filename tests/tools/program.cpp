@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <stdlib.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -34,22 +35,24 @@ namespace fs = std::filesystem;
   _exit(127);
 }
 
-int wait_for(pid_t child, const Stop& stop) {
+void wait_for(pid_t child, const Stop& stop, ProgramResult& result) {
   const Stopwatch watch;
   const auto is_time = [&] {
     return stop.when.empty() ? watch.seconds() >= stop.after : fs::exists(stop.when);
   };
   int status = 0;
+  rusage usage{};
   bool ended = false;
   while (stop.signal != 0 && !ended && !is_time()) {
     usleep(1000);
-    ended = waitpid(child, &status, WNOHANG) != 0;
+    ended = wait4(child, &status, WNOHANG, &usage) != 0;
   }
   if (!ended) {
     if (stop.signal != 0) kill(child, stop.signal);
-    waitpid(child, &status, 0);
+    wait4(child, &status, 0, &usage);
   }
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  result.peak_memory = static_cast<std::size_t>(usage.ru_maxrss) * 1024;
 }
 
 }  // namespace
@@ -61,7 +64,7 @@ ProgramResult run_program(const std::vector<std::string>& words, const std::vect
   const pid_t child = fork();
   if (child == 0) become_program(words, environment, out, err);
   ProgramResult result;
-  result.exit_code = wait_for(child, stop);
+  wait_for(child, stop, result);
   result.out = bytes_of(out);
   result.err = bytes_of(err);
   fs::remove(out);

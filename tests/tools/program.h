@@ -10,6 +10,7 @@ namespace kappaflow {
 struct ProgramResult {
   int exit_code = -1;  ///< 128 + the signal when one ended it
   std::string out, err;
+  std::size_t peak_memory = 0;  ///< [bytes]
 };
 
 /// A signal that the program gets once a file exists, or after a time.
