@@ -21,11 +21,15 @@ TEST(Estimate, CountsParticles) {
 }
 
 TEST(Estimate, MemoryGrowsWithTheParticles) {
-  const double coarse = static_cast<double>(estimate(tank(0.1), 1).memory_bytes);
-  const double fine = static_cast<double>(estimate(tank(0.05), 1).memory_bytes);
-  EXPECT_GT(fine, 4 * coarse);  // eight times the liquid, four times its surface and the walls
-  EXPECT_LT(fine, 8 * coarse);
-  EXPECT_GT(coarse, 1000 * 300);  // the solver alone
+  const double program = static_cast<double>(estimate(tank(0.5), 1).memory_bytes);  // eight particles
+  EXPECT_LT(program, 5e7);
+  const auto arrays = [&](double spacing) {
+    return static_cast<double>(estimate(tank(spacing), 1).memory_bytes) - program;
+  };
+  EXPECT_GT(arrays(0.1), 1000 * 300);              // the solver alone
+  EXPECT_NEAR(arrays(0.05) / arrays(0.1), 4, 1);   // sampling the walls, while these are most of it
+  EXPECT_GT(arrays(0.0125) / arrays(0.025), 4.5);  // eight times the liquid, four times its surface
+  EXPECT_LT(arrays(0.0125) / arrays(0.025), 8);
 }
 
 TEST(Estimate, TimeFollowsDurationMethodsStepsAndThreads) {
