@@ -14,6 +14,8 @@ constexpr double kRounding = 1 + 1e-12;  // of the tree's distances
 
 /// As nanoflann wants what it finds. Its own takes, of several nearest points, the one that it meets first.
 struct Nearest {
+  using DistanceType = double;
+  using IndexType = std::uint32_t;
   double square = kInfinity;  // of the distance
   std::uint32_t number = 0;
 
@@ -24,6 +26,7 @@ struct Nearest {
   /// Points nearer than this are shown: also those that are as near as the nearest one so far.
   double worstDist() const { return std::nextafter(kRounding * square, kInfinity); }
   bool full() const { return true; }
+  void sort() {}  // there is only one
 };
 
 }  // namespace
@@ -34,7 +37,7 @@ std::vector<std::uint32_t> nearest_points(std::span<const Vec3> points, std::spa
   std::vector<std::uint32_t> number(places.size());
   parallel_for(places.size(), [&](std::size_t i) {
     Nearest nearest;
-    tree.findNeighbors(nearest, places[i].data(), nanoflann::SearchParams());
+    tree.findNeighbors(nearest, places[i].data(), {});
     number[i] = nearest.number;
   });
   return number;

@@ -1,8 +1,10 @@
 // nanoflann's tree over points that somebody else holds.
 #pragma once
 
+#include <cstdint>
 #include <nanoflann.hpp>
 #include <span>
+#include <type_traits>
 
 #include "core/types.h"
 
@@ -21,5 +23,11 @@ struct PointCloud {
 
 using PointTree =
     nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, PointCloud>, PointCloud, 3>;
+
+/// What a search in a radius fills: pairs of number and squared distance in nanoflann 1.4, items of its own
+/// since 1.5.
+template <class Scalar>
+using PointsInReach =
+    std::remove_reference_t<decltype(nanoflann::RadiusResultSet<Scalar, std::uint32_t>::m_indices_dists)>;
 
 }  // namespace kappaflow

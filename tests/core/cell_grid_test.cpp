@@ -55,8 +55,8 @@ TEST(CellGrid, FindsWhatAKdTreeFinds) {
   const PointCloud cloud{points};
   const PointTree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(10));
   for (const Vec3& x : random_points(200, 1, 4)) {
-    std::vector<std::pair<std::uint32_t, double>> matches;
-    tree.radiusSearch(x.data(), 0.1 * 0.1, matches, nanoflann::SearchParams());
+    PointsInReach<double> matches;
+    tree.radiusSearch(x.data(), 0.1 * 0.1, matches, {});
     std::set<std::uint32_t> expected;
     for (const auto& match : matches) expected.insert(match.first);
     EXPECT_EQ(found_by_grid(grid, points, x, 0.1), expected);

@@ -1,10 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <limits>
-#include <nanoflann.hpp>
 #include <random>
 #include <set>
 
+#include "core/point_tree.h"
 #include "tests/solver/liquid.h"
 #include "tests/solver/shapes.h"
 
@@ -90,11 +90,11 @@ TEST(Neighbours, CountAsNanoflann) {
   using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Cloud>, Cloud, 3>;
   const Cloud cloud{liquid.particles.position};
   const Tree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
-  std::vector<std::pair<std::uint32_t, float>> found;
+  PointsInReach<float> found;
   std::size_t differing = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const std::size_t count = tree.radiusSearch(liquid.particles.position[i].data(), 4 * kSpacing * kSpacing,
-                                                found, nanoflann::SearchParams());
+    const std::size_t count =
+        tree.radiusSearch(liquid.particles.position[i].data(), 4 * kSpacing * kSpacing, found, {});
     differing += count - 1 != pairs_of(liquid, i).size();
   }
   EXPECT_LE(differing, 2u);  // pairs whose distance rounds to the support
