@@ -1,8 +1,6 @@
 // From where pictures of a scene are taken.
 #pragma once
 
-#include <Eigen/Geometry>
-
 #include "core/types.h"
 
 namespace kappaflow {
@@ -14,14 +12,9 @@ struct View {
 };
 
 /// The default view, turned so that `up`, which is not zero, points up in it.
-inline View view_with(const Vec3& up) {
-  return {Eigen::Quaterniond::FromTwoVectors(View{}.up, up) * View{}.from, up};
-}
+View view_with(const Vec3& up);
 
 /// Whether the directions are such that there is a picture: neither zero nor parallel.
-inline bool is_view(const View& view) {
-  return view.from.norm() > 1e-12 && view.up.norm() > 1e-12 &&
-         view.from.normalized().cross(view.up.normalized()).norm() > 1e-3;
-}
+bool is_view(const View& view);
 
 }  // namespace kappaflow
