@@ -1,7 +1,6 @@
 #include "core/nearest_points.h"
 
 #include <cmath>
-#include <limits>
 
 #include "core/parallel.h"
 #include "core/point_tree.h"
@@ -9,7 +8,6 @@
 namespace kappaflow {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kRounding = 1 + 1e-12;  // of the tree's distances
 
 /// As nanoflann wants what it finds. Its own takes, of several nearest points, the one that it meets first.

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <tuple>
 #include <utility>
 
@@ -18,8 +17,6 @@ namespace kappaflow {
 namespace {
 
 using enum NearestOnTriangle::Feature;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double angle_at(const Vec3& corner, const Vec3& p, const Vec3& q) {
   const Vec3 u = p - corner, v = q - corner;

@@ -1,12 +1,10 @@
 #include "core/triangle_tree.h"
 
 #include <algorithm>
-#include <limits>
 
 namespace kappaflow {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kLeafTriangles = 4;
 constexpr std::size_t kMaxTreeDepth = 64;  // the median split halves the triangles, so 2^64 would fit
 

@@ -19,7 +19,7 @@ constexpr double kLeastSine = 1e-3;      // of the angle between a rectangle's `
 
 constexpr double kMostInLayer = 1e6;  // beyond, a layer alone would fill the memory
 
-void require(bool holds, const std::string& message) {
+void require_emitter(bool holds, const std::string& message) {
   if (!holds) throw InvalidInput("emitter: " + message);
 }
 
@@ -59,15 +59,16 @@ double layer_size(const RectangleMouth& mouth, double spacing) {
 }
 
 void check_mouth(const DiscMouth& disc, const Vec3&) {
-  require(std::isfinite(disc.radius) && disc.radius > 0,
-          fmt::format("radius = {} m; must be above 0", disc.radius));
+  require_emitter(std::isfinite(disc.radius) && disc.radius > 0,
+                  fmt::format("radius = {} m; must be above 0", disc.radius));
 }
 
 void check_mouth(const RectangleMouth& mouth, const Vec3& direction) {
-  require(std::isfinite(mouth.width) && mouth.width > 0 && std::isfinite(mouth.height) && mouth.height > 0,
-          fmt::format("size = {} x {} m; must be above 0", mouth.width, mouth.height));
-  require(mouth.up.allFinite() && mouth.up.cross(direction).norm() > kLeastSine * mouth.up.norm(),
-          "up is parallel to the direction, or zero; must point across it");
+  require_emitter(
+      std::isfinite(mouth.width) && mouth.width > 0 && std::isfinite(mouth.height) && mouth.height > 0,
+      fmt::format("size = {} x {} m; must be above 0", mouth.width, mouth.height));
+  require_emitter(mouth.up.allFinite() && mouth.up.cross(direction).norm() > kLeastSine * mouth.up.norm(),
+                  "up is parallel to the direction, or zero; must point across it");
 }
 
 }  // namespace
@@ -90,25 +91,27 @@ double emitted_layers(const Emitter& emitter, double spacing, std::size_t layer_
 }
 
 void check_emitter(const Emitter& emitter, double spacing, std::size_t fluids) {
-  require(emitter.position.allFinite(), "its position must be finite");
-  require(emitter.direction.allFinite() && emitter.direction.norm() > 0,
-          "its direction must be finite and not zero");
-  require(std::isfinite(emitter.speed) && emitter.speed > 0,
-          fmt::format("speed = {} m/s; must be above 0", emitter.speed));
-  require(std::isfinite(emitter.start) && emitter.start < emitter.end,
-          fmt::format("start = {} s; must be before end = {} s", emitter.start, emitter.end));
-  require(emitter.fluid < fluids, fmt::format("fluid {}; there are {}", emitter.fluid, fluids));
+  require_emitter(emitter.position.allFinite(), "its position must be finite");
+  require_emitter(emitter.direction.allFinite() && emitter.direction.norm() > 0,
+                  "its direction must be finite and not zero");
+  require_emitter(std::isfinite(emitter.speed) && emitter.speed > 0,
+                  fmt::format("speed = {} m/s; must be above 0", emitter.speed));
+  require_emitter(std::isfinite(emitter.start) && emitter.start < emitter.end,
+                  fmt::format("start = {} s; must be before end = {} s", emitter.start, emitter.end));
+  require_emitter(emitter.fluid < fluids, fmt::format("fluid {}; there are {}", emitter.fluid, fluids));
   std::visit([&](const auto& mouth) { check_mouth(mouth, direction_of(emitter)); }, emitter.mouth);
   const double wanted =
       std::visit([&](const auto& mouth) { return layer_size(mouth, spacing); }, emitter.mouth);
-  require(wanted <= kMostInLayer,
-          fmt::format("its mouth holds about {:.3g} particles of spacing {} m; must be at most {:.0g}",
-                      wanted, spacing, kMostInLayer));
+  require_emitter(
+      wanted <= kMostInLayer,
+      fmt::format("its mouth holds about {:.3g} particles of spacing {} m; must be at most {:.0g}", wanted,
+                  spacing, kMostInLayer));
   const std::size_t size = emitter_layer(emitter, spacing).size();
-  require(size > 0, fmt::format("its mouth is too small to hold one particle of spacing {} m", spacing));
-  require(emitted_layers(emitter, spacing, size, std::numeric_limits<double>::infinity()) > 0,
-          fmt::format("it emits nothing: a layer has {} particles, and one takes {:.4g} s", size,
-                      spacing / emitter.speed));
+  require_emitter(size > 0,
+                  fmt::format("its mouth is too small to hold one particle of spacing {} m", spacing));
+  require_emitter(emitted_layers(emitter, spacing, size, std::numeric_limits<double>::infinity()) > 0,
+                  fmt::format("it emits nothing: a layer has {} particles, and one takes {:.4g} s", size,
+                              spacing / emitter.speed));
 }
 
 Emitters::Emitters(std::span<const Emitter> emitters, double spacing) : spacing_(spacing) {

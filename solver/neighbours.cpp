@@ -15,13 +15,13 @@ NeighbourSearch::NeighbourSearch(float spacing)
 /// Lists the particles within the support of the box around the particles [begin, end) of a cell.
 void NeighbourSearch::Scratch::collect(const CellGrid& grid, std::size_t begin, std::size_t end,
                                        std::span<const Vec4f> position, float support) {
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  constexpr float kBoundless = std::numeric_limits<float>::infinity();
   Vec4f lower = position[begin], upper = lower;
   for (std::size_t i = begin + 1; i < end; ++i) {
     lower = lower.cwiseMin(position[i]);
     upper = upper.cwiseMax(position[i]);
   }
-  lower[3] = -kInfinity, upper[3] = kInfinity;  // the fourth component is no coordinate
+  lower[3] = -kBoundless, upper[3] = kBoundless;  // the fourth component is no coordinate
   std::size_t count = 0;
   grid.ranges_around(grid.cell_at(begin), [&](std::uint32_t first, std::uint32_t last) {
     const std::size_t room = count + (last - first) + kWide;
@@ -37,7 +37,7 @@ void NeighbourSearch::Scratch::collect(const CellGrid& grid, std::size_t begin, 
     }
   });
   candidates = (count + kWide - 1) / kWide * kWide;
-  for (; count < candidates; ++count) x[count] = y[count] = z[count] = kInfinity;
+  for (; count < candidates; ++count) x[count] = y[count] = z[count] = kBoundless;
 }
 
 /// Finds particle i's neighbours among them.

@@ -10,16 +10,18 @@
 namespace kappaflow {
 namespace {
 
-void require(bool holds, const std::string& message) {
+void require_fluid(bool holds, const std::string& message) {
   if (!holds) throw InvalidInput("fluid: " + message);
 }
 
 void require_positive(double value, const char* name) {
-  require(std::isfinite(value) && value > 0, fmt::format("{} = {}; must be greater than 0", name, value));
+  require_fluid(std::isfinite(value) && value > 0,
+                fmt::format("{} = {}; must be greater than 0", name, value));
 }
 
 void require_not_negative(double value, const char* name) {
-  require(std::isfinite(value) && value >= 0, fmt::format("{} = {}; must be 0 or greater", name, value));
+  require_fluid(std::isfinite(value) && value >= 0,
+                fmt::format("{} = {}; must be 0 or greater", name, value));
 }
 
 }  // namespace
@@ -28,25 +30,26 @@ void check_options(const FluidOptions& o) {
   require_positive(o.spacing, "spacing");
   require_positive(o.density, "density");
   require_not_negative(o.kinematic_viscosity, "kinematic_viscosity");
-  require(o.slip_length >= 0, fmt::format("slip_length = {}; must be 0 or greater", o.slip_length));
-  require(o.more_viscosities.size() < 256,
-          fmt::format("{} fluids; allowed: 256", 1 + o.more_viscosities.size()));
+  require_fluid(o.slip_length >= 0, fmt::format("slip_length = {}; must be 0 or greater", o.slip_length));
+  require_fluid(o.more_viscosities.size() < 256,
+                fmt::format("{} fluids; allowed: 256", 1 + o.more_viscosities.size()));
   for (const double viscosity : o.more_viscosities)
     require_not_negative(viscosity, "kinematic viscosity of a further fluid");
-  require(o.emitters.size() < 256, fmt::format("{} emitters; allowed: 255", o.emitters.size()));
+  require_fluid(o.emitters.size() < 256, fmt::format("{} emitters; allowed: 255", o.emitters.size()));
   for (const Emitter& emitter : o.emitters) check_emitter(emitter, o.spacing, 1 + o.more_viscosities.size());
   require_not_negative(o.surface_tension, "surface_tension");
   const double capillary = capillary_time_step(o.surface_tension, o.density, o.spacing);
-  require(capillary >= o.min_time_step,
-          fmt::format("surface_tension = {} N/m needs time steps of {:.3g} s, below min_time_step = {:.3g} s",
-                      o.surface_tension, capillary, o.min_time_step));
-  require(o.gravity.allFinite(), "gravity must be finite");
+  require_fluid(
+      capillary >= o.min_time_step,
+      fmt::format("surface_tension = {} N/m needs time steps of {:.3g} s, below min_time_step = {:.3g} s",
+                  o.surface_tension, capillary, o.min_time_step));
+  require_fluid(o.gravity.allFinite(), "gravity must be finite");
   require_positive(o.cfl, "cfl");
   require_positive(o.min_time_step, "min_time_step");
   require_positive(o.max_time_step, "max_time_step");
-  require(o.min_time_step <= o.max_time_step,
-          fmt::format("min_time_step = {}; must not exceed max_time_step = {}", o.min_time_step,
-                      o.max_time_step));
+  require_fluid(o.min_time_step <= o.max_time_step,
+                fmt::format("min_time_step = {}; must not exceed max_time_step = {}", o.min_time_step,
+                            o.max_time_step));
   require_positive(o.density_tolerance, "density_tolerance");
   require_positive(o.divergence_tolerance, "divergence_tolerance");
   require_positive(o.viscosity_tolerance, "viscosity_tolerance");
@@ -57,20 +60,21 @@ void check_options(const FluidOptions& o) {
 void check_start(std::span<const Vec3> position, std::span<const Vec3> velocity,
                  std::span<const std::uint8_t> fluid, std::size_t fluids, std::span<const int> source,
                  std::span<const SolidDistance> solids) {
-  require(position.size() == velocity.size(),
-          fmt::format("{} positions but {} velocities", position.size(), velocity.size()));
-  require(fluid.empty() || fluid.size() == position.size(),
-          fmt::format("{} positions but fluids of {} particles", position.size(), fluid.size()));
-  require(source.empty() || source.size() == position.size(),
-          fmt::format("{} positions but sources of {} particles", position.size(), source.size()));
+  require_fluid(position.size() == velocity.size(),
+                fmt::format("{} positions but {} velocities", position.size(), velocity.size()));
+  require_fluid(fluid.empty() || fluid.size() == position.size(),
+                fmt::format("{} positions but fluids of {} particles", position.size(), fluid.size()));
+  require_fluid(source.empty() || source.size() == position.size(),
+                fmt::format("{} positions but sources of {} particles", position.size(), source.size()));
   for (const std::uint8_t index : fluid)
-    require(index < fluids, fmt::format("a particle is of fluid {}; there are {}", index, fluids));
+    require_fluid(index < fluids, fmt::format("a particle is of fluid {}; there are {}", index, fluids));
   for (std::size_t i = 0; i < position.size(); ++i) {
     const Vec3& x = position[i];
-    require(x.allFinite() && velocity[i].allFinite(),
-            fmt::format("the position or velocity of particle {} is not finite", i));
-    require(nearest_of_union(solids, x).distance >= 0,
-            fmt::format("particle {} at ({:.6g}, {:.6g}, {:.6g}) is inside a wall", i, x.x(), x.y(), x.z()));
+    require_fluid(x.allFinite() && velocity[i].allFinite(),
+                  fmt::format("the position or velocity of particle {} is not finite", i));
+    require_fluid(
+        nearest_of_union(solids, x).distance >= 0,
+        fmt::format("particle {} at ({:.6g}, {:.6g}, {:.6g}) is inside a wall", i, x.x(), x.y(), x.z()));
   }
 }
 

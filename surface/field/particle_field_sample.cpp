@@ -12,8 +12,8 @@ namespace {
 constexpr int kSlabPlanes = 8;
 
 /// Lattice points of a row that are worked on together.
-using Lanes = Eigen::Array4d;
-constexpr int kLanes = 4;
+using RowLanes = Eigen::Array4d;
+constexpr int kRowLanes = 4;
 
 /// The lattice indices in [lower, upper] whose coordinate lies within `reach` of `centre`, in units of the
 /// spacing.
@@ -33,7 +33,7 @@ class Slab {
         offset_(s * kSlabPlanes),
         first_(samples.first_plane + offset_),
         last_(samples.first_plane + std::min(offset_ + kSlabPlanes, dims_[2]) - 1),
-        stride_(static_cast<std::size_t>(dims_[0] + kLanes - 1)),
+        stride_(static_cast<std::size_t>(dims_[0] + kRowLanes - 1)),
         sums_(stride_ * dims_[1] * (last_ - first_ + 1), 0.0) {}
 
   bool reached(double z, double sigma) const { return z + sigma >= first_ && z - sigma <= last_; }
@@ -52,9 +52,9 @@ class Slab {
   std::array<int, 3> dims_;
   int offset_;          // of the slab in the samples
   int first_, last_;    // planes of the lattice
-  std::size_t stride_;  // a row may be written up to kLanes - 1 points past its end
+  std::size_t stride_;  // a row may be written up to kRowLanes - 1 points past its end
   std::vector<double> sums_;
-  std::vector<Lanes> dx2_;  // (dx/sigma)^2 of the columns in reach, kept between particles
+  std::vector<RowLanes> dx2_;  // (dx/sigma)^2 of the columns in reach, kept between particles
 };
 
 void Slab::add(const Vec3& centre, double sigma, double weight) {
@@ -62,17 +62,17 @@ void Slab::add(const Vec3& centre, double sigma, double weight) {
       columns(centre[0], sigma, 0, dims_[0] - 1);
   const double inverse_sigma2 = 1 / (sigma * sigma);
   dx2_.clear();
-  for (int i = columns.first; i <= columns.last; i += kLanes)
-    dx2_.push_back((Lanes(0, 1, 2, 3) + (i - centre[0])).square() * inverse_sigma2);
+  for (int i = columns.first; i <= columns.last; i += kRowLanes)
+    dx2_.push_back((RowLanes(0, 1, 2, 3) + (i - centre[0])).square() * inverse_sigma2);
   const std::size_t blocks = dx2_.size();
   for (int k = planes.first; k <= planes.last; ++k)
     for (int j = rows.first; j <= rows.last; ++j) {
       const double dy = j - centre[1], dz = k - centre[2], u_yz = 1 - (dy * dy + dz * dz) * inverse_sigma2;
       if (u_yz <= 0) continue;
       double* sums = row(j, k) + columns.first;
-      for (std::size_t b = 0; b < blocks; ++b, sums += kLanes) {
-        const Lanes u = (u_yz - dx2_[b]).max(0.0);
-        Eigen::Map<Lanes>(sums) += weight * u * u * u;
+      for (std::size_t b = 0; b < blocks; ++b, sums += kRowLanes) {
+        const RowLanes u = (u_yz - dx2_[b]).max(0.0);
+        Eigen::Map<RowLanes>(sums) += weight * u * u * u;
       }
     }
 }

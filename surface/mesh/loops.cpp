@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <limits>
 #include <utility>
 
 #include "surface/mesh/mesh_measures.h"
@@ -11,7 +10,6 @@ namespace kappaflow {
 namespace {
 
 constexpr double kFacingWeight = 4;  // how much a triangle that faces sideways costs
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using Edge = std::pair<int, int>;
 

@@ -154,6 +154,14 @@ TriangleDistortion triangle_distortion(std::span<const Vec3> position, std::span
           sums.area_ratio_max};
 }
 
+bool is_delaunay(const Vec3& u, const Vec3& v, const Vec3& a, const Vec3& b) {
+  constexpr double kMargin = 1e-9;  // of the sum of cotangents
+  const auto cotangent = [&](const Vec3& apex) {
+    return (u - apex).dot(v - apex) / (u - apex).cross(v - apex).norm();
+  };
+  return !(cotangent(a) + cotangent(b) < -kMargin);
+}
+
 double facing(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& normal_sum) {
   const Vec3 area = (b - a).cross(c - a);
   const double size = area.norm() * normal_sum.norm();

@@ -38,6 +38,10 @@ double smallest_angle(std::span<const Vec3> position, std::span<const Triangle> 
 double angles_outside(std::span<const Vec3> position, std::span<const Triangle> triangles, double smallest,
                       double largest);
 
+/// Not where the angles at apexes a and b, opposite the edge (u, v), sum to more than pi, beyond what
+/// rounding could flip back and forth.
+bool is_delaunay(const Vec3& u, const Vec3& v, const Vec3& a, const Vec3& b);
+
 /// How far triangles are from those they were at rest.
 struct TriangleDistortion {
   /// Longest edge over shortest altitude, in units of the equilateral triangle's: 1 is best; infinite for a

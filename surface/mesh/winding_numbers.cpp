@@ -8,7 +8,7 @@
 namespace kappaflow {
 namespace {
 
-constexpr int kSlabPlanes = 8;
+constexpr int kWindingPlanes = 8;
 const Vec3 kRowShift(0, 1.37e-7, 2.91e-7);  // of the rows from the lattice's points, in spacings
 
 /// Twice the area of (a, b, p) projected on the y-z plane, positive counter-clockwise. The same number, but
@@ -21,22 +21,22 @@ double turn(const Vec3& a, const Vec3& b, int number_a, int number_b, double y, 
 /// The triangles that reach into each slab of the lattice, ascending. position: in units of its spacing.
 std::vector<std::vector<int>> by_slab(std::span<const Vec3> position, std::span<const Triangle> triangles,
                                       int planes) {
-  const int slabs = (planes + kSlabPlanes - 1) / kSlabPlanes;
+  const int slabs = (planes + kWindingPlanes - 1) / kWindingPlanes;
   std::vector<std::vector<int>> result(slabs);
   for (int t = 0; t < static_cast<int>(triangles.size()); ++t) {
     const auto& [a, b, c] = triangles[t];
     const auto [least, most] = std::minmax({position[a][2], position[b][2], position[c][2]});
-    const double last = std::min<double>(std::floor(most / kSlabPlanes), slabs - 1);
-    for (double s = std::max(0.0, std::floor(least / kSlabPlanes)); s <= last; ++s)
+    const double last = std::min<double>(std::floor(most / kWindingPlanes), slabs - 1);
+    for (double s = std::max(0.0, std::floor(least / kWindingPlanes)); s <= last; ++s)
       result[static_cast<std::size_t>(s)].push_back(t);
   }
   return result;
 }
 
 /// Counts crossings on planes first to last of the lattice.
-class Slab {
+class WindingSlab {
  public:
-  Slab(const SampledField& lattice, int first, int last, std::int8_t* winding)
+  WindingSlab(const SampledField& lattice, int first, int last, std::int8_t* winding)
       : nx_(lattice.dims[0]), ny_(lattice.dims[1]), first_(first), last_(last), winding_(winding) {}
 
   void add(const std::array<Vec3, 3>& corner, const Triangle& number) {
@@ -102,8 +102,8 @@ std::vector<std::int8_t> winding_numbers(std::span<const Vec3> position, std::sp
   parallel_for(
       in_slab.size(),
       [&](std::size_t s) {
-        const int first = static_cast<int>(s) * kSlabPlanes;
-        Slab slab(lattice, first, std::min(first + kSlabPlanes, dims[2]) - 1, winding.data());
+        const int first = static_cast<int>(s) * kWindingPlanes;
+        WindingSlab slab(lattice, first, std::min(first + kWindingPlanes, dims[2]) - 1, winding.data());
         for (const int t : in_slab[s]) {
           const auto& [a, b, c] = triangles[t];
           slab.add({in_lattice[a], in_lattice[b], in_lattice[c]}, triangles[t]);

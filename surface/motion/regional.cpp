@@ -14,8 +14,8 @@ namespace {
 
 // In units of the length scale at the point.
 constexpr double kRadius = 1.25, kLargestRadius = 2.5, kSampleSpacing = 0.5;
-constexpr double kGrowth = 1.414;     // of the radius from one attempt to the next
-constexpr double kDetermined = 0.05;  // AffineFit::determined that a window is content with
+constexpr double kRadiusGrowth = 1.414;  // of the radius from one attempt to the next
+constexpr double kDetermined = 0.05;     // AffineFit::determined that a window is content with
 constexpr std::size_t kPointsPerTask = 64;
 
 /// What is known at every point before any window is looked at.
@@ -68,7 +68,7 @@ class WindowFit {
   AffineFit operator()(const LocalMotion& local, const SurfaceSamples& samples,
                        std::span<const MotionEquations> patches, const Vec3& x, int v) {
     const double scale = local.length_scale[v];
-    for (double radius = kRadius * scale;; radius *= kGrowth) {
+    for (double radius = kRadius * scale;; radius *= kRadiusGrowth) {
       WindowSums sums(x);
       for (const int s : walk_.around(samples, x, samples.of_vertex[v], radius)) {
         const Vec3& y = samples.position[s];
@@ -77,7 +77,7 @@ class WindowFit {
       }
       if (!(sums.weight() > 0)) sums.add(local.equations[v], x, 1);
       AffineFit fit = sums.solve(radius, local.normal[v]);
-      if (fit.determined >= kDetermined || radius * kGrowth > kLargestRadius * scale) return fit;
+      if (fit.determined >= kDetermined || radius * kRadiusGrowth > kLargestRadius * scale) return fit;
     }
   }
 

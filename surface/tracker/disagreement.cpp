@@ -18,7 +18,7 @@ namespace {
 constexpr double kFacing = 0.9;                              // cosine to the sum of the corners' normals
 constexpr double kParallel = 2.7;                            // length of that sum
 constexpr double kAgreeing = 1;                              // such length below which it says nothing
-constexpr double kLongEdge = 8;                              // in limits
+constexpr double kOverlongEdge = 8;                          // in limits
 constexpr std::size_t kPointsAtOnce = std::size_t{1} << 24;  // of the lattice, in memory
 constexpr int kOverlap = 4;                                  // of slabs and blocks of it, in points
 
@@ -36,7 +36,7 @@ bool is_plainly_on_surface(std::span<const Vec3> position, std::span<const Vec3>
   const Vec3 &x = position[a], &y = position[b], &z = position[c];
   const double longest = std::max({(x - y).squaredNorm(), (y - z).squaredNorm(), (z - x).squaredNorm()});
   const Vec3 normals = sum_of_normals(gradient, triangle);
-  return longest < kLongEdge * kLongEdge * limit * limit && normals.norm() > kParallel &&
+  return longest < kOverlongEdge * kOverlongEdge * limit * limit && normals.norm() > kParallel &&
          facing(x, y, z, normals) > kFacing;
 }
 

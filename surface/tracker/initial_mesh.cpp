@@ -8,19 +8,13 @@
 #include "core/parallel.h"
 #include "surface/mesh/edge_edits.h"
 #include "surface/mesh/isosurface.h"
+#include "surface/mesh/mesh_measures.h"
 
 namespace kappaflow {
 namespace {
 
 constexpr double kShortEdge = 0.6, kLongEdge = 1.4;  // in spacings
 constexpr int kRounds = 4, kFlipPasses = 10, kSmoothingPasses = 5;
-// Opposite angles must exceed pi by about this much for a flip: without it rounding could flip back and
-// forth.
-constexpr double kFlipMargin = 1e-9;
-
-double cotangent(const Vec3& apex, const Vec3& a, const Vec3& b) {
-  return (a - apex).dot(b - apex) / (a - apex).cross(b - apex).norm();
-}
 
 Vec3 area_vector(const TriangleMesh& mesh, int a, int b, int c) {
   return (mesh.position[b] - mesh.position[a]).cross(mesh.position[c] - mesh.position[a]);
@@ -61,7 +55,7 @@ void collapse_short_edges(double spacing, EdgeEdits& edits, TriangleMesh& mesh) 
 bool flips_towards_delaunay(EdgeEdits& edits, const TriangleMesh& mesh, int h) {
   const int u = edits.origin(h), v = edits.end(h), a = edits.apex(h), b = edits.apex(edits.twin(h));
   const std::vector<Vec3>& at = mesh.position;
-  if (!(cotangent(at[a], at[u], at[v]) + cotangent(at[b], at[u], at[v]) < -kFlipMargin)) return false;
+  if (is_delaunay(at[u], at[v], at[a], at[b])) return false;
   for (const Vec3& old : {area_vector(mesh, u, v, a), area_vector(mesh, v, u, b)})
     if (!(old.dot(area_vector(mesh, u, b, a)) > 0) || !(old.dot(area_vector(mesh, v, a, b)) > 0))
       return false;

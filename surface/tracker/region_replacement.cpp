@@ -21,7 +21,7 @@ constexpr double kSameSide = 0.2;    // least cosine between normals of one shee
 constexpr double kSurroundings = 4;  // reach of the triangles that a replacement looks at, in edge lengths
 constexpr int kFiner = 2;        // cells of a patch's lattice along one of the other lattice's, to begin with
 constexpr int kSidePadding = 2;  // cells between all that matters and the block's sides
-constexpr int kRounds = 20;      // of smoothing the rim
+constexpr int kRimRounds = 20;   // of smoothing the rim
 constexpr int kAttempts = 12;    // at a region, each wider than the one before
 constexpr std::size_t kSmallestPiece = 3;  // triangles of a patch that is worth sewing in
 constexpr std::size_t kLongestFill = 80;   // corners of a loop that is filled
@@ -130,7 +130,7 @@ std::vector<Triangle> RegionReplacement::triangles(std::span<const int> numbers)
 /// Takes more out until no vertex joins two loops of the hole's rim, and no triangle juts out into it.
 bool RegionReplacement::smooth_rim() {
   std::vector<int> pinched;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kRimRounds; ++round) {
     const Boundary rim = boundary_of(triangles(removed_));
     pinched = rim.pinched;
     const std::vector<std::pair<int, int>> edges = edges_of(rim.loops);

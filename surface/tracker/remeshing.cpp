@@ -13,14 +13,9 @@
 namespace kappaflow {
 namespace {
 
-constexpr double kGrading = 0.4;      // largest change of the length aimed at per length along the surface
-constexpr int kCrossingRings = 2;     // of triangles that an edit might pass through
-constexpr int kGradingPasses = 3;     // more follow in the next steps
-constexpr double kFlipMargin = 1e-9;  // of the sum of cotangents
-
-double cotangent(const Vec3& apex, const Vec3& a, const Vec3& b) {
-  return (a - apex).dot(b - apex) / (a - apex).cross(b - apex).norm();
-}
+constexpr double kGrading = 0.4;   // largest change of the length aimed at per length along the surface
+constexpr int kCrossingRings = 2;  // of triangles that an edit might pass through
+constexpr int kGradingPasses = 3;  // more follow in the next steps
 
 }  // namespace
 
@@ -245,10 +240,9 @@ void RemeshPass::flip_towards_delaunay() {
   }
 }
 
-/// Not where the opposite angles sum to more than pi.
 bool RemeshPass::is_delaunay(int h) const {
   const int u = edits_.origin(h), v = edits_.end(h), a = edits_.apex(h), b = edits_.apex(edits_.twin(h));
-  return !(cotangent(at(a), at(u), at(v)) + cotangent(at(b), at(u), at(v)) < -kFlipMargin);
+  return kappaflow::is_delaunay(at(u), at(v), at(a), at(b));
 }
 
 bool RemeshPass::flip(int h) {

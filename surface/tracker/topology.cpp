@@ -14,7 +14,7 @@ constexpr double kFarOff = 0.5, kOff = 0.18;  // distance of a triangle's centro
 constexpr double kDispute = 0.25;             // of a point of the lattice, in edge lengths
 constexpr double kThread = 0.01;              // length of an edge around a thread, in edge lengths
 constexpr int kCluster = 2;                   // cells of a region are in blocks of so many that touch
-constexpr int kGrowth = 1;                    // of a region [cells], one more in each pass
+constexpr int kRegionGrowth = 1;              // of a region [cells], one more in each pass
 constexpr int kPasses = 3;
 
 /// Groups of cells whose blocks touch, each ascending; in the order of their first cells' blocks.
@@ -157,7 +157,7 @@ TopologyCounts TopologyChange::change(const Field& field, const TopologyOptions&
     counts.refused = 0;
     replacement.replaced_blocks.clear();
     for (const std::vector<LatticeCell>& region : regions_of(cells))
-      counts.refused += replacement.replace(region, kGrowth + pass) ? 0 : 1;
+      counts.refused += replacement.replace(region, kRegionGrowth + pass) ? 0 : 1;
     std::erase(mesh.triangles, kRemovedTriangle);
     cells.clear();
     add_cells_in_dispute(field, mesh, edge_length, lattice,

@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <numeric>
 
 #include "surface/motion/pointwise.h"
+#include "tests/dense.h"
 #include "tests/surface/field/random_particles.h"
 #include "tests/surface/motion/surface_points.h"
 #include "tests/surface/reference_data.h"
@@ -110,17 +110,18 @@ TEST(AffineFit, IsTheLeastSquaresSolutionOfAllRows) {
       b.segment(7 * i, 7) = std::sqrt(weight[i] / total) * rows.b;
     }
     R.bottomRows(12) = lambda(radius);
-    const Eigen::VectorXd expected = R.colPivHouseholderQr().solve(b);
+    const Eigen::VectorXd expected = testing::least_squares(R, b);
     const AffineFit result = fit(window, radius, weight);
     EXPECT_LT((result.velocity - expected.head<3>()).norm(), 1e-8 * expected.head<3>().norm());
     // Information about a: the rows' part orthogonal to what G can explain.
     const Eigen::MatrixXd H = R.transpose() * R;
-    const Mat3 S = H.topLeftCorner(3, 3) -
-                   H.topRightCorner(3, 9) * H.bottomRightCorner(9, 9).inverse() * H.bottomLeftCorner(9, 3);
+    const Mat3 S = H.topLeftCorner(3, 3) - H.topRightCorner(3, 9) *
+                                               testing::inverse(H.bottomRightCorner(9, 9)) *
+                                               H.bottomLeftCorner(9, 3);
     const TangentBasis E = tangent_basis(window.field.jet(window.centre).g.normalized());
     const Mat3 S_inverse = S.inverse();
     const Eigen::Matrix2d covariance = E.transpose() * S_inverse * E;
-    const double largest = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(covariance).eigenvalues()[1];
+    const double largest = testing::eigenvalues(covariance)[1];
     EXPECT_NEAR(result.determined, 1 / std::sqrt(largest), 1e-8 * result.determined);
   }
 }

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <cmath>
 #include <numbers>
 #include <random>
 
@@ -13,13 +13,13 @@ namespace {
 using testing::objective;
 using testing::rows_with_singular_values;
 
-/// The same problem as an ordinary least-squares problem, R over lambda I, by Eigen's pivoted QR.
+/// The same problem as an ordinary least-squares problem, R over lambda I, by pivoted QR.
 Vec2 dense_solution(const TangentialRows<4>& rows, double lambda) {
   Eigen::Matrix<double, 6, 2> A;
   A << rows.R, lambda * Eigen::Matrix2d::Identity();
   Eigen::Matrix<double, 6, 1> b;
   b << rows.b, 0, 0;
-  return A.colPivHouseholderQr().solve(b);
+  return testing::least_squares(A, b);
 }
 
 TEST(DampedLeastSquares, AgreesWithDenseQrAndSingularValues) {

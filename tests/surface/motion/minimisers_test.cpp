@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <functional>
 #include <random>
 
 #include "surface/motion/tangential_rows.h"
@@ -92,8 +92,7 @@ void expect_minimum_of_quadratic(std::mt19937& random, double condition) {
   using Vector = Eigen::Matrix<double, N, 1>;
   using Matrix = Eigen::Matrix<double, N, N>;
   std::normal_distribution<double> normal;
-  const Matrix gauss = Matrix::NullaryExpr([&] { return normal(random); });
-  const Matrix Q = Eigen::HouseholderQR<Matrix>(gauss).householderQ();
+  const Matrix Q = testing::random_orthogonal(random, N);
   Vector eigenvalues;
   for (int i = 0; i < N; ++i) eigenvalues[i] = std::pow(condition, i / (N - 1.0));
   const Matrix M = Q * eigenvalues.asDiagonal() * Q.transpose();

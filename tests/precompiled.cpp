@@ -1,1 +1,0 @@
-// The library that owns the tests' precompiled header needs a source.
