@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <memory>
 #include <string_view>
 
 #include "core/errors.h"
@@ -22,6 +21,7 @@
 #include "tools/picture.h"
 #include "tools/progress.h"
 #include "tools/run_folder.h"
+#include "tools/run_record.h"
 
 namespace kappaflow {
 namespace {
@@ -32,18 +32,6 @@ constexpr double kHidden = 0.3;  // share of a surface that walls hide at most w
 constexpr double kGlass = 0.25;  // the opacity of walls that hide more
 constexpr vtkIdType kRays = 500;
 constexpr double kFallbackRate = 25;  // frames a second, where a run has one frame only
-
-Json::Value record_of(const fs::path& folder) {
-  const fs::path file = folder / kRecordFile;
-  const std::string text = read_file(file);
-  Json::Value record;
-  std::string errors;
-  const std::unique_ptr<Json::CharReader> reader(Json::CharReaderBuilder().newCharReader());
-  if (!reader->parse(text.data(), text.data() + text.size(), &record, &errors) ||
-      !record["methods"].isArray())
-    throw IoError(file.string(), "is not the record of a run");
-  return record;
-}
 
 std::vector<std::string> chosen_methods(const RenderOptions& options, const Json::Value& record) {
   std::vector<std::string> tracked;
@@ -75,7 +63,7 @@ View chosen_view(const RenderOptions& options, const Json::Value& record) {
 class Drawing {
  public:
   explicit Drawing(const RenderOptions& options)
-      : options_(options), record_(record_of(options.folder)), methods_(chosen_methods(options, record_)) {
+      : options_(options), record_(read_record(options.folder)), methods_(chosen_methods(options, record_)) {
     while (has_frame(frames_)) ++frames_;
     if (frames_ == 0) throw InvalidInput(fmt::format("{} has no frames yet", options.folder.string()));
     style_ = {.columns = options.columns, .view = chosen_view(options, record_)};

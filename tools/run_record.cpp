@@ -7,11 +7,14 @@
 #include <vtk_jsoncpp.h>
 
 #include <Eigen/Core>
+#include <memory>
 #include <sstream>
 #include <variant>
 
+#include "core/errors.h"
 #include "core/version.h"
 #include "tools/files.h"
+#include "tools/run_folder.h"
 
 namespace kappaflow {
 namespace {
@@ -20,10 +23,6 @@ Json::Value list(const std::vector<std::string>& words) {
   Json::Value array(Json::arrayValue);
   for (const std::string& word : words) array.append(word);
   return array;
-}
-
-std::string now() {
-  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::now()));
 }
 
 Json::Value minimiser_record(Minimiser minimiser) {
@@ -61,7 +60,7 @@ Json::Value common_record(const std::vector<std::string>& command, int threads,
   Json::Value record;
   record["version"] = kVersion;
   record["build"] = build_description();
-  record["started"] = now();
+  record["started"] = time_now();
   record["command"] = list(command);
   record["seed"] = Json::Value();  // null: nothing in a run is random
   record["threads"] = threads;
@@ -98,6 +97,10 @@ std::string scene_hash(const Scene& scene) {
   return text_hash(text);
 }
 
+std::string time_now() {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::now()));
+}
+
 std::string build_description() {
   return fmt::format("compiler {} {}, {} build\nVTK {}, Eigen {}.{}.{}, oneTBB {}.{}\n",
 #ifdef __clang__
@@ -128,12 +131,24 @@ std::string resumed_record(const std::string& record, const RunOptions& options,
   Json::Value resumed;
   resumed["version"] = kVersion;
   resumed["build"] = build_description();
-  resumed["started"] = now();
+  resumed["started"] = time_now();
   resumed["command"] = list(options.command);
   resumed["threads"] = options.threads;
   resumed["time"] = time;
   root["resumed"].append(resumed);
   return record_text(root);
+}
+
+Json::Value read_record(const std::filesystem::path& folder) {
+  const std::filesystem::path file = folder / kRecordFile;
+  const std::string text = read_file(file);
+  Json::Value record;
+  std::string errors;
+  const std::unique_ptr<Json::CharReader> reader(Json::CharReaderBuilder().newCharReader());
+  if (!reader->parse(text.data(), text.data() + text.size(), &record, &errors) || !record.isObject() ||
+      !record["methods"].isArray())
+    throw IoError(file.string(), "is not the record of a run");
+  return record;
 }
 
 std::string track_record(const TrackOptions& options, const ParticleSequence& sequence,
