@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <fstream>
-#include <numeric>
 
+#include "core/suggestion.h"
 #include "core/text_scanner.h"
 
 namespace kappaflow {
@@ -56,34 +56,6 @@ std::string describe(const NumberRange& range) {
   if (std::isfinite(range.upper))
     text += fmt::format("{} <= {}", std::isfinite(range.lower) ? " and" : "", range.upper);
   return text + with_unit(range.unit);
-}
-
-/// The least number of characters to insert, delete or replace that turns a into b (Levenshtein 1966).
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i + 1;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i] != b[j]);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({replaced, row[j] + 1, row[j + 1] + 1});
-    }
-  }
-  return row.back();
-}
-
-/// " (did you mean "x"?)" for the nearest name, or nothing where none is near.
-std::string suggestion(std::string_view found, std::span<const std::string_view> names) {
-  std::string_view nearest;
-  std::size_t least = std::max<std::size_t>(2, found.size() / 3) + 1;
-  for (const std::string_view name : names)
-    if (const std::size_t distance = edit_distance(found, name); distance < least) {
-      least = distance;
-      nearest = name;
-    }
-  return nearest.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", nearest);
 }
 
 SourcePosition position(const std::string& file, const toml::source_region& region) {

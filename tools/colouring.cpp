@@ -16,6 +16,7 @@
 
 #include "core/errors.h"
 #include "core/quantile.h"
+#include "core/suggestion.h"
 
 namespace kappaflow {
 namespace {
@@ -24,20 +25,22 @@ constexpr double kLeftOut = 0.01;  // share of the values at either end
 constexpr int kColours = 256;
 constexpr int kMostNames = 8;  // as many as the palette has colours
 
-std::string names_of_arrays(vtkPolyData& surface) {
-  std::vector<std::string> names;
+std::vector<std::string_view> names_of_arrays(vtkPolyData& surface) {
+  std::vector<std::string_view> names;
   vtkPointData& arrays = *surface.GetPointData();
   for (int a = 0; a < arrays.GetNumberOfArrays(); ++a)
     if (arrays.GetArray(a) != nullptr) names.emplace_back(arrays.GetArrayName(a));
   std::ranges::sort(names);
-  return fmt::format("{}", fmt::join(names, ", "));
+  return names;
 }
 
 vtkDataArray& array_of(vtkPolyData& surface, const std::string& name) {
   vtkDataArray* const array = surface.GetPointData()->GetArray(name.c_str());
-  if (array == nullptr)
-    throw InvalidInput(
-        fmt::format("the surface has no array \"{}\"; it has {}", name, names_of_arrays(surface)));
+  if (array == nullptr) {
+    const std::vector<std::string_view> names = names_of_arrays(surface);
+    throw InvalidInput(fmt::format("the surface has no array \"{}\"; it has {}{}", name,
+                                   fmt::join(names, ", "), suggestion(name, names)));
+  }
   return *array;
 }
 

@@ -2,12 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "surface/motion/velocity.h"
 #include "tools/command_options.h"
+#include "tools/command_words.h"
 
 namespace kappaflow {
 namespace {
@@ -23,7 +26,7 @@ std::string experiment_lines() {
 
 }  // namespace
 
-CLI::App* add_track(CLI::App& app, CommandLine& line) {
+void add_track(CLI::App& app, CommandLine& line) {
   CLI::App* track = app.add_subcommand("track", "Track the surface of particles that another program wrote");
   track
       ->add_option("FILES", line.track.inputs,
@@ -52,18 +55,16 @@ CLI::App* add_track(CLI::App& app, CommandLine& line) {
   add_force_and_quiet(*track, "run", line.track.force, line.track.quiet);
   track->footer(method_lines() + "\n" +
                 footer("kappaflow track 'frames/*.vtk' --velocity regional --fps 25 --out out/tracked"));
-  return track;
 }
 
-CLI::App* add_check(CLI::App& app, CommandLine& line) {
+void add_check(CLI::App& app, CommandLine& line) {
   CLI::App* check = app.add_subcommand("check", "Check a scene and say what it will cost");
   check->add_option("SCENE", line.check_scene, "Scene file (.toml)")->required();
   add_threads(*check, line.threads);
   check->footer(footer("kappaflow check scenes/staircase.toml"));
-  return check;
 }
 
-CLI::App* add_benchmark(CLI::App& app, CommandLine& line) {
+void add_benchmark(CLI::App& app, CommandLine& line) {
   CLI::App* benchmark =
       app.add_subcommand("benchmark", "Time the solver's phases on a scene, at several sizes and threads");
   benchmark->add_option("SCENE", line.benchmark.scene, "Scene file (.toml)")->required();
@@ -84,10 +85,9 @@ CLI::App* add_benchmark(CLI::App& app, CommandLine& line) {
   benchmark->add_option("--out", line.benchmark.csv, "The table as CSV too");
   benchmark->footer(
       footer("kappaflow benchmark scenes/staircase.toml --particles 10000,100000 --threads 1,2"));
-  return benchmark;
 }
 
-CLI::App* add_probe(CLI::App& app, CommandLine& line) {
+void add_probe(CLI::App& app, CommandLine& line) {
   CLI::App* probe =
       app.add_subcommand("probe", "Print field, derivatives, curvatures and velocities at points, as CSV");
   probe
@@ -96,7 +96,7 @@ CLI::App* add_probe(CLI::App& app, CommandLine& line) {
           "Particles: .vtp with arrays velocity, weight, sigma, or .csv with x,y,z,vx,vy,vz,weight,sigma")
       ->required();
   probe->add_option("POINTS", line.probe.points, "Points: .csv with x,y,z")->required();
-  probe->add_option("--threshold", line.probe.threshold, "T of Eq. 12")
+  probe->add_option("--threshold", line.probe.threshold, "T of Eq. 12; that of a run is in its run.json")
       ->required()
       ->check(number_in("a number", [](double) { return true; }));
   for (const VelocityMethod& method : velocity_methods()) line.probe.methods.emplace_back(method.name);
@@ -104,12 +104,11 @@ CLI::App* add_probe(CLI::App& app, CommandLine& line) {
   add_minimiser(*probe, "closed-form", [&line](Minimiser minimiser) { line.probe.minimiser = minimiser; });
   probe->footer(
       method_lines() + "\n" +
-      footer("kappaflow probe out/staircase/particles/particles_0010.vtp points.csv --threshold 2.6 "
+      footer("kappaflow probe out/staircase/particles/particles_0010.vtp points.csv --threshold 4.96 "
              "--methods total,curvature"));
-  return probe;
 }
 
-CLI::App* add_render(CLI::App& app, CommandLine& line) {
+void add_render(CLI::App& app, CommandLine& line) {
   CLI::App* render = app.add_subcommand("render", "Draw the surfaces of a run side by side");
   render->add_option("DIR", line.render.folder, "Run folder")->required();
   render->add_option("--out", line.render.out,
@@ -141,25 +140,34 @@ CLI::App* add_render(CLI::App& app, CommandLine& line) {
   render->footer(
       footer("kappaflow render out/staircase --out picture.png --frame 40\n"
              "  kappaflow render out/staircase --methods total,regional --colour mean_curvature"));
-  return render;
 }
 
-CLI::App* add_compare(CLI::App& app, CommandLine& line) {
+void add_compare(CLI::App& app, CommandLine& line) {
   CLI::App* compare = app.add_subcommand("compare", "Set the metrics of runs and methods side by side");
   compare->add_option("DIR", line.compare.runs, "Run folders")->required();
   compare->add_option("--out", line.compare.folder,
                       "Folder for the table as CSV and Markdown, and a plot of each metric over time");
   compare->footer(footer("kappaflow compare out/staircase out/tracked --out out/compared"));
-  return compare;
 }
 
-CLI::App* add_experiment(CLI::App& app, CommandLine& line) {
+void add_experiment(CLI::App& app, CommandLine& line) {
   CLI::App* experiment = app.add_subcommand(
       "experiment", "Repeat the paper's figures, with a report of what holds and what does not");
-  experiment->add_option("NAMES", line.experiment.names, "Experiments, see below")->required()->type_name("");
+  experiment
+      ->add_option_function<std::vector<std::string>>(
+          "NAMES",
+          [&line](const std::vector<std::string>& words) {
+            for (const std::string& word : words)
+              std::ranges::move(list_elements(word), std::back_inserter(line.experiment.names));
+            if (line.experiment.names.empty()) throw CLI::RequiredError("NAMES");
+          },
+          "Experiments, see below")
+      ->required()
+      ->type_name("");
   experiment->add_option("--out", line.experiment.folder, "Folder for report.html and the results")
       ->required();
-  experiment->add_flag("--quick", line.experiment.quick, "A smaller variant of each, all in under a minute");
+  experiment->add_flag("--quick", line.experiment.quick,
+                       "A smaller variant of each; the report says what is smaller");
   add_minimiser(*experiment, "closed-form",
                 [&line](Minimiser minimiser) { line.experiment.minimiser = minimiser; });
   experiment->add_option("--scenes", line.experiment.scenes,
@@ -167,7 +175,6 @@ CLI::App* add_experiment(CLI::App& app, CommandLine& line) {
   add_threads(*experiment, line.threads);
   add_force_and_quiet(*experiment, "report", line.experiment.force, line.experiment.quiet);
   experiment->footer(experiment_lines() + "\n" + footer("kappaflow experiment fig4 fig5 --out out/figures"));
-  return experiment;
 }
 
 }  // namespace kappaflow

@@ -29,12 +29,12 @@ struct CommandLine {
 };
 
 /// Each adds its command and the options of it, which set members of `line`; that must outlive `app`.
-CLI::App* add_track(CLI::App& app, CommandLine& line);
-CLI::App* add_check(CLI::App& app, CommandLine& line);
-CLI::App* add_benchmark(CLI::App& app, CommandLine& line);
-CLI::App* add_probe(CLI::App& app, CommandLine& line);
-CLI::App* add_render(CLI::App& app, CommandLine& line);
-CLI::App* add_compare(CLI::App& app, CommandLine& line);
-CLI::App* add_experiment(CLI::App& app, CommandLine& line);
+void add_track(CLI::App& app, CommandLine& line);
+void add_check(CLI::App& app, CommandLine& line);
+void add_benchmark(CLI::App& app, CommandLine& line);
+void add_probe(CLI::App& app, CommandLine& line);
+void add_render(CLI::App& app, CommandLine& line);
+void add_compare(CLI::App& app, CommandLine& line);
+void add_experiment(CLI::App& app, CommandLine& line);
 
 }  // namespace kappaflow

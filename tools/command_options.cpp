@@ -7,6 +7,8 @@
 #include <cstdlib>
 #include <sstream>
 
+#include "core/suggestion.h"
+
 namespace kappaflow {
 namespace {
 
@@ -64,7 +66,8 @@ CLI::Validator one_of(const std::vector<std::string_view>& names) {
   return CLI::Validator(
       [names](const std::string& word) {
         if (std::ranges::find(names, word) != names.end()) return std::string();
-        return fmt::format("found \"{}\"; expected one of {}", word, fmt::join(names, ", "));
+        return fmt::format("found \"{}\"; expected one of {}{}", word, fmt::join(names, ", "),
+                           suggestion(word, names));
       },
       "");
 }

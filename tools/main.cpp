@@ -16,6 +16,7 @@
 #include "tools/check.h"
 #include "tools/command_line.h"
 #include "tools/command_options.h"
+#include "tools/command_words.h"
 #include "tools/run_record.h"
 #include "tools/virtual_display.h"
 
@@ -32,7 +33,7 @@ void reject_repeated(const std::string& option, const std::vector<std::string>& 
       throw InvalidInput(fmt::format("{}: \"{}\" is named twice", option, names[i]));
 }
 
-CLI::App* add_run(CLI::App& app, CommandLine& line) {
+void add_run(CLI::App& app, CommandLine& line) {
   CLI::App* run = app.add_subcommand("run", "Simulate a scene and track its surface");
   CLI::Option* scene = run->add_option("SCENE", line.run.scene, "Scene file (.toml)");
   CLI::Option* resume = run->add_option("--resume", line.run.resume,
@@ -55,7 +56,6 @@ CLI::App* add_run(CLI::App& app, CommandLine& line) {
   run->footer(method_lines() + "\n" +
               footer("kappaflow run scenes/staircase.toml --track total,curvature --threads 4\n"
                      "  kappaflow run --resume out/staircase"));
-  return run;
 }
 
 // CLI11 breaks some of its messages over lines.
@@ -104,27 +104,38 @@ int execute_with_threads(const CLI::App& app, CommandLine& line, char** argv) {
   return tbb::task_arena(line.threads).execute([&] { return execute(app, line, argv); });
 }
 
+int refuse(const CLI::App& app, const std::string& what) {
+  const auto commands = app.get_subcommands();
+  fmt::print(stderr, "kappaflow: error: {}; see kappaflow {}--help\n", what,
+             commands.empty() ? "" : commands.front()->get_name() + " ");
+  return kExitUsage;
+}
+
 int parse_and_execute(int argc, char** argv) {
   CommandLine line;
   line.run.command.assign(argv, argv + argc);
   line.track.command = line.run.command;
   CLI::App app("kappaflow: viscous SPH liquids with a tracked, textured surface", "kappaflow");
   app.set_version_flag("--version", fmt::format("kappaflow {}\n{}", kVersion, build_description()));
-  app.footer(footer("kappaflow run scenes/staircase.toml"));
+  app.footer(footer("kappaflow run scenes/staircase.toml\n  kappaflow help run"));
   app.require_subcommand(1);
-  const std::vector<CLI::App*> commands{
-      add_run(app, line),   add_track(app, line),  add_check(app, line),      add_benchmark(app, line),
-      add_probe(app, line), add_render(app, line), add_experiment(app, line), add_compare(app, line)};
+  add_run(app, line);
+  add_track(app, line);
+  add_check(app, line);
+  add_benchmark(app, line);
+  add_probe(app, line);
+  add_render(app, line);
+  add_experiment(app, line);
+  add_compare(app, line);
+  std::vector<std::string> words = understood_words(app, {argv + 1, argv + argc});
+  std::ranges::reverse(words);  // as CLI11 takes them
   try {
-    app.parse(argc, argv);
+    app.parse(std::move(words));
   } catch (const CLI::Success& help_or_version) {
-    return app.exit(help_or_version);
+    return app.remaining().empty() ? app.exit(help_or_version) : refuse(app, misunderstood(app));
   } catch (const CLI::ParseError& error) {
-    std::string help = "kappaflow --help";
-    for (const CLI::App* command : commands)
-      if (command->parsed()) help = fmt::format("kappaflow {} --help", command->get_name());
-    fmt::print(stderr, "kappaflow: error: {}; see {}\n", one_line(error.what()), help);
-    return kExitUsage;
+    const std::string what = misunderstood(app);
+    return refuse(app, what.empty() ? one_line(error.what()) : what);
   }
   return execute_with_threads(app, line, argv);
 }

@@ -35,8 +35,11 @@ void expect_one_line(const Mistake& mistake) {
 
 TEST_F(CommandLine, MistakesAreOneLineAndExitCodeTwo) {
   const std::vector<Mistake> mistakes{
-      {{}, 2, "kappaflow --help"},
-      {{"frobnicate"}, 2, "kappaflow --help"},
+      {{},
+       2,
+       "no command; commands are run, track, check, benchmark, probe, render, experiment, compare; see "
+       "kappaflow --help"},
+      {{"frobnicate"}, 2, "unknown command \"frobnicate\"; see kappaflow --help"},
       {{"run"}, 2, "SCENE or --resume is required; see kappaflow run --help"},
       {{"run", "--resume"}, 2, "--resume: 1 required DIR missing"},
       {{"run", "--resume", "out", "--track", "total"}, 2, "--resume excludes --track"},
@@ -64,7 +67,7 @@ TEST_F(CommandLine, MistakesAreOneLineAndExitCodeTwo) {
       {{"render", "out", "--range", "1"}, 2, "--range: found \"1\"; expected LOW,HIGH"},
       {{"render", "out", "--up", "0,0,z"}, 2, "--up: found \"0,0,z\"; expected X,Y,Z"},
       {{"compare"}, 2, "DIR is required"},
-      {{"compare", "/nowhere"}, 5, "/nowhere/metrics.csv: cannot be read"},
+      {{"compare", "/nowhere"}, 5, "/nowhere/run.json: cannot be read"},
       {{"track"}, 2, "FILES is required; see kappaflow track --help"},
       {{"track", "a_*.vtk", "--fps", "0"}, 2, "--fps: found \"0\"; expected a number above 0"},
       {{"track", "a_*.vtk", "--sigma", "wide"}, 2, "--sigma: found \"wide\"; expected a number above 0"},
@@ -75,6 +78,78 @@ TEST_F(CommandLine, MistakesAreOneLineAndExitCodeTwo) {
       {{"track", kFrames}, 2, "the files hold no times; say how many frames a second they are by --fps"},
   };
   for (const Mistake& mistake : mistakes) expect_one_line(mistake);
+}
+
+TEST_F(CommandLine, MistypedWordsNameTheLikelyOne) {
+  const auto likely = [](std::vector<std::string> words, const std::string& message) {
+    expect_one_line({std::move(words), 2, message});
+  };
+  likely({"rn"}, "unknown command \"rn\" (did you mean \"run\"?); see kappaflow --help");
+  likely({"rn", kSmallScene, "--threads", "1"}, "unknown command \"rn\" (did you mean \"run\"?)");
+  likely({"rn", "--help"}, "unknown command \"rn\" (did you mean \"run\"?)");
+  likely({"help", "rendr"}, "unknown command \"rendr\" (did you mean \"render\"?)");
+  likely({"--verison"}, "unknown option \"--verison\" (did you mean \"--version\"?); see kappaflow --help");
+  likely({"run", kSmallScene, "--trak", "total"},
+         "unknown option \"--trak\" (did you mean \"--track\"?); see kappaflow run --help");
+  likely({"run", kSmallScene, "--tracks=total"}, "unknown option \"--tracks\" (did you mean \"--track\"?)");
+  likely({"render", "out", "--color", "slip"}, "unknown option \"--color\" (did you mean \"--colour\"?)");
+  // The option that is missing is the one that was mistyped.
+  likely({"probe", "a.csv", "b.csv", "--threshhold", "1"}, "(did you mean \"--threshold\"?)");
+  likely({"run", kSmallScene, "--formatting-of-files", "obj"}, "unknown option \"--formatting-of-files\";");
+  likely({"--threads", "2", "check", kSmallScene}, "\"--threads\" stands before the command");
+  likely({"run", kSmallScene, "--track", "regoinal"}, "(did you mean \"regional\"?)");
+  likely({"run", kSmallScene, "--minimiser", "powel"}, "(did you mean \"powell\"?)");
+  likely({"track", "a_*.vtk", "--weights", "normalized"}, "(did you mean \"normalised\"?)");
+  likely({"experiment", "motion", "--out", "nowhere"},
+         "unknown experiment \"motion\"; experiments are all, validate, ");
+  likely({"experiment", "motion", "--out", "nowhere"}, "validate-falling (did you mean \"motions\"?)");
+}
+
+TEST_F(CommandLine, HelpIsACommandToo) {
+  EXPECT_EQ(run_program({"help"}).out, run_program({"--help"}).out);
+  const ProgramResult help = run_program({"help", "run"});
+  EXPECT_EQ(help.exit_code, 0);
+  EXPECT_NE(help.out.find("--track"), std::string::npos);
+  EXPECT_EQ(help.out, run_program({"run", "--help"}).out);
+}
+
+// The columns of the result say which methods were understood.
+TEST_F(CommandLine, ListsTakeCommasAndBlanks) {
+  const std::string particles = file("p.csv", "x,y,z,vx,vy,vz,weight,sigma\n0,0,0,1,0,0,2,2\n").string(),
+                    points = file("x.csv", "x,y,z\n1,0,0\n").string();
+  const std::string expected =
+      run_program({"probe", particles, points, "--threshold", "0.5", "--methods", "total,regional"}).out;
+  ASSERT_NE(expected.find(",v_total_x,"), std::string::npos);
+  ASSERT_NE(expected.find(",v_regional_x,"), std::string::npos);
+  ASSERT_EQ(expected.find(",v_material_x,"), std::string::npos);
+  for (const std::vector<std::string>& list :
+       std::vector<std::vector<std::string>>{{"total, regional"},
+                                             {"total regional"},
+                                             {"total,", "regional"},
+                                             {"total", ",", "regional"},
+                                             {"total", "regional"},
+                                             {"total", ",regional"},
+                                             {" total,regional, "}}) {
+    std::vector<std::string> words{"probe", "--threshold", "0.5", "--methods"};
+    words.insert(words.end(), list.begin(), list.end());
+    words.insert(words.end(), {particles, points});
+    const ProgramResult result = run_program(words);
+    EXPECT_EQ(result.out, expected) << fmt::format("{}: ", fmt::join(list, "|")) << result.err;
+  }
+  EXPECT_EQ(run_program({"probe", "--methods=total,", "regional", particles, points, "--threshold=0.5"}).out,
+            expected);
+  const auto refuses = [](std::vector<std::string> words, const std::string& message) {
+    expect_one_line({std::move(words), 2, message});
+  };
+  refuses({"run", kSmallScene, "--track", "total,", "regoinal"}, "found \"regoinal\"; expected one of ");
+  refuses({"run", kSmallScene, "--track", "total", "total"}, "\"total\" is named twice");
+  refuses({"run", kSmallScene, "--track", ","}, "found \"\"; expected one of ");
+  refuses({"run", kSmallScene, "--format", "obj", "ply", "--threads", "0"}, "found \"0\"; expected a whole");
+  refuses({"benchmark", kSmallScene, "--threads", "1", "2", "--particles", "9", "1000"},
+          "found \"9\"; expected a whole number from 100");
+  refuses({"render", "out", "--view", "1,", "-1", "0", "0"}, "--view: found \"1,-1,0,0\"; expected X,Y,Z");
+  refuses({"experiment", "fig3,", "fig44", "--out", "nowhere"}, "unknown experiment \"fig44\"");
+  refuses({"experiment", "fig44 , fig3", "--out", "nowhere"}, "unknown experiment \"fig44\"");
 }
 
 TEST_F(CommandLine, WrongFilesAreOneLine) {
@@ -108,6 +183,35 @@ TEST_F(CommandLine, EveryHelpHasAnExampleAndTheExitCodes) {
     EXPECT_NE(help.find(command), std::string::npos);
   EXPECT_NE(run_program({"run", "--help"}).out.find("curvature-only"), std::string::npos)
       << "lists the methods";
+}
+
+/// The words at the beginnings of a help text's indented lines after `title`.
+std::vector<std::string> listed(const std::string& help, const std::string& title) {
+  std::vector<std::string> words;
+  bool inside = false;
+  for (const std::string& line : split(help, '\n')) {
+    if (!line.starts_with(" ")) inside = line == title;
+    const std::size_t end = line.find_first_of(" ,", 2);
+    if (inside && line.starts_with("  ") && line.size() > 2 && line[2] != ' ')
+      words.push_back(line.substr(2, end - 2));
+  }
+  return words;
+}
+
+TEST_F(CommandLine, TheDocumentsNameEveryOption) {
+  const std::string page = bytes_of(KAPPAFLOW_SOURCE_DIR "/docs/commands.md");
+  const std::vector<std::string> commands = listed(run_program({"--help"}).out, "Subcommands:");
+  EXPECT_GE(commands.size(), 8u);
+  for (const std::string& command : commands) {
+    const std::size_t begin = page.find("\n## " + command + "\n"), end = page.find("\n## ", begin + 1);
+    ASSERT_NE(begin, std::string::npos) << "docs/commands.md has no section on " << command;
+    const std::string section = page.substr(begin, end - begin);
+    const std::vector<std::string> options = listed(run_program({command, "--help"}).out, "Options:");
+    EXPECT_GE(options.size(), 2u) << command;
+    for (const std::string& option : options)
+      EXPECT_TRUE(option == "-h" || section.find("`" + option) != std::string::npos)
+          << "docs/commands.md does not say what " << command << " " << option << " is";
+  }
 }
 
 TEST_F(CommandLine, VersionNamesTheBuild) {

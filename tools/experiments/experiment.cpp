@@ -6,6 +6,7 @@
 #include <array>
 
 #include "core/errors.h"
+#include "core/suggestion.h"
 #include "tools/experiments/conservation.h"
 #include "tools/experiments/dam_break.h"
 #include "tools/experiments/enright.h"
@@ -32,9 +33,10 @@ constexpr const char* kReportFile = "report.md";
 const Experiment& experiment_named(std::string_view name) {
   for (const Experiment& experiment : experiments())
     if (experiment.name == name) return experiment;
-  std::string names = "all, validate";
-  for (const Experiment& experiment : experiments()) names += fmt::format(", {}", experiment.name);
-  throw InvalidInput(fmt::format("unknown experiment \"{}\"; experiments are {}", name, names));
+  std::vector<std::string_view> names{"all", "validate"};
+  for (const Experiment& experiment : experiments()) names.push_back(experiment.name);
+  throw InvalidInput(fmt::format("unknown experiment \"{}\"; experiments are {}{}", name,
+                                 fmt::join(names, ", "), suggestion(name, names)));
 }
 
 std::vector<const Experiment*> chosen(const ExperimentOptions& options) {
