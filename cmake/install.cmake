@@ -27,4 +27,7 @@ install(TARGETS kappaflow)
 install(DIRECTORY scenes DESTINATION share/kappaflow
         FILES_MATCHING PATTERN "*.toml" PATTERN "*.csv" PATTERN "*.vtp" PATTERN "*.md")
 install(FILES tools/paraview/open_run.py DESTINATION share/kappaflow/paraview)
-install(FILES README.md CHANGELOG.md LICENSE CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(CODE "set(SOURCE_DIR \"${PROJECT_SOURCE_DIR}\")
+set(BINARY_DIR \"${PROJECT_BINARY_DIR}\")
+set(DOCUMENT_DIR \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_DOCDIR}\")")
+install(SCRIPT cmake/install_documents.cmake)

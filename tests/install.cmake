@@ -14,12 +14,14 @@ function(run)
 endfunction()
 
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${installed})
-foreach(file share/doc/kappaflow/LICENSE share/doc/kappaflow/CITATION.cff share/kappaflow/scenes/staircase.toml
+foreach(file share/doc/kappaflow/LICENSE share/doc/kappaflow/CITATION.cff share/doc/kappaflow/README.md
+        share/doc/kappaflow/docs/methods.md share/doc/kappaflow/docs/images/staircase.png share/kappaflow/scenes/staircase.toml
         share/kappaflow/scenes/experiments/data share/kappaflow/paraview/open_run.py)
   if(NOT EXISTS ${installed}/${file})
     message(FATAL_ERROR "${file} is not installed")
   endif()
 endforeach()
+run(${CMAKE_COMMAND} -DFOLDER=${installed}/share/doc/kappaflow -P ${SOURCE_DIR}/tests/links.cmake)
 run(${installed}/bin/kappaflow check ${installed}/share/kappaflow/scenes/staircase-small.toml)
 
 # No settings of the project's own build may be needed, or reach the example's.
