@@ -115,6 +115,7 @@ int parse_and_execute(int argc, char** argv) {
   CommandLine line;
   line.run.command.assign(argv, argv + argc);
   line.track.command = line.run.command;
+  line.experiment.command = line.run.command;
   CLI::App app("kappaflow: viscous SPH liquids with a tracked, textured surface", "kappaflow");
   app.set_version_flag("--version", fmt::format("kappaflow {}\n{}", kVersion, build_description()));
   app.footer(footer("kappaflow run scenes/staircase.toml\n  kappaflow help run"));

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstdlib>
 #include <memory>
 
@@ -17,6 +18,8 @@ constexpr const char* kStyle =
     "body{font:16px/1.5 sans-serif;max-width:70em;margin:2em auto;padding:0 1em;color:#222}"
     "table{border-collapse:collapse;margin:1em 0}th,td{border:1px solid #ccc;padding:.3em .6em;"
     "text-align:left;vertical-align:top}th{background:#f3f3f3}img{max-width:100%}code{background:#f3f3f3}";
+
+constexpr const char* kStatements = "Statements beside what was measured";
 
 std::string cell(const std::string& text) {
   std::string result;
@@ -42,17 +45,71 @@ std::string table_markdown(const Table& table) {
   return text + "\n";
 }
 
-Table statement_table(const std::vector<Report>& reports, const std::string& caption) {
-  Table table{caption, {"", "Statement", "Source", "Measured", "Verdict", "Why, and when"}, {}};
+std::string heading(const Report& report) {
+  return fmt::format("{}: {}", report.name, report.title);
+}
+
+/// What GitHub makes of a heading to link to it, and the HTML has as well.
+std::string anchor(const std::string& heading) {
+  std::string result;
+  for (const char c : heading) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (std::isalnum(byte) || c == '-' || c == '_') result += static_cast<char>(std::tolower(byte));
+    if (c == ' ') result += '-';
+  }
+  return result;
+}
+
+std::string link_to(const Report& report, const std::string& text) {
+  return fmt::format("[{}](#{})", text, anchor(heading(report)));
+}
+
+/// "3 hold, 1 does not hold": those that there are.
+std::string tally(const std::vector<const Statement*>& statements) {
+  std::string text;
+  for (const auto& [verdict, one, many] :
+       {std::tuple{Verdict::holds, "holds", "hold"},
+        std::tuple{Verdict::under_conditions, "holds under conditions", "hold under conditions"},
+        std::tuple{Verdict::does_not_hold, "does not hold", "do not hold"},
+        std::tuple{Verdict::too_coarse, "is too coarse to tell", "are too coarse to tell"}}) {
+    const auto count = std::ranges::count(statements, verdict, &Statement::verdict);
+    if (count > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, count == 1 ? one : many);
+  }
+  return text.empty() ? "none" : text;
+}
+
+std::vector<const Statement*> statements_of(std::span<const Report> reports) {
+  std::vector<const Statement*> statements;
   for (const Report& report : reports)
+    for (const Statement& statement : report.statements) statements.push_back(&statement);
+  return statements;
+}
+
+std::string head_markdown(const ReportHead& head, const std::vector<Report>& reports) {
+  const std::vector<const Statement*> all = statements_of(reports);
+  std::string text =
+      fmt::format("# {}\n\n**{} statement{}: {}.**\n\n{}, {}: `{}`\n\n## Contents\n\n", head.title,
+                  all.size(), all.size() == 1 ? "" : "s", tally(all), head.program, head.date, head.command);
+  text += fmt::format("- [{}](#{})\n", kStatements, anchor(kStatements));
+  for (const Report& report : reports)
+    text += fmt::format("- {}: {}\n", link_to(report, heading(report)), tally(statements_of({&report, 1})));
+  return text + "\n";
+}
+
+std::string statement_table(const std::vector<Report>& reports) {
+  Table table{"", {"", "Statement", "Source", "Measured", "Verdict", "Why, and when"}, {}};
+  for (const Report& report : reports) {
+    const std::string smaller = report.smaller.empty() ? "" : fmt::format("*Quick: {}.* ", report.smaller);
     for (const Statement& s : report.statements)
-      table.rows.push_back({report.name, s.statement, s.source, s.measured,
+      table.rows.push_back({link_to(report, report.name), s.statement, s.source, smaller + s.measured,
                             fmt::format("**{}**", verdict_text(s.verdict)), s.reason});
-  return table;
+  }
+  return fmt::format("## {}\n\n", kStatements) + table_markdown(table);
 }
 
 std::string chapter_markdown(const Report& report) {
-  std::string text = fmt::format("## {}: {}\n\n{}\n\n", report.name, report.title, report.introduction);
+  std::string text = fmt::format("## {}\n\n{}\n\n", heading(report), report.introduction);
+  if (!report.smaller.empty()) text += fmt::format("*Quick: {}.*\n\n", report.smaller);
   for (const Figure& figure : report.figures)
     text += fmt::format("![{0}]({1})\n\n*{0}*\n\n", figure.caption, figure.file);
   for (const Table& table : report.tables) text += table_markdown(table);
@@ -62,10 +119,8 @@ std::string chapter_markdown(const Report& report) {
   return text + fmt::format("{}Wall time: {:.1f} s.\n\n", report.files.empty() ? "" : ". ", report.seconds);
 }
 
-std::string report_markdown(const std::string& title, const std::vector<Report>& reports) {
-  std::string text = fmt::format("# {}\n\n", title);
-  text +=
-      table_markdown(statement_table(reports, "Statements beside what was measured; the chapters follow."));
+std::string report_markdown(const ReportHead& head, const std::vector<Report>& reports) {
+  std::string text = head_markdown(head, reports) + statement_table(reports);
   for (const Report& report : reports) text += chapter_markdown(report);
   return text;
 }
@@ -90,6 +145,18 @@ std::string html_body(const std::string& markdown) {
   return body;
 }
 
+/// Gives each heading of the contents and the chapters the name that links go to.
+std::string with_anchors(std::string body, const std::vector<Report>& reports) {
+  std::vector<std::string> anchors{"contents", anchor(kStatements)};
+  for (const Report& report : reports) anchors.push_back(anchor(heading(report)));
+  std::size_t at = 0;
+  for (const std::string& name : anchors) {
+    at = body.find("<h2>", at);
+    body.replace(at, 4, fmt::format("<h2 id=\"{}\">", name));
+  }
+  return body;
+}
+
 }  // namespace
 
 Statement judged(std::string source, std::string statement, std::string measured,
@@ -99,6 +166,7 @@ Statement judged(std::string source, std::string statement, std::string measured
     std::string& list = check.holds ? yes : no;
     list += fmt::format("{}{}", list.empty() ? "" : ", ", check.what);
   }
+  if (measured.ends_with("; ")) measured.resize(measured.size() - 2);  // of a list
   const auto holds = [](const Check& check) { return check.holds; };
   const Verdict verdict = std::ranges::all_of(checks, holds)    ? Verdict::holds
                           : std::ranges::none_of(checks, holds) ? Verdict::does_not_hold
@@ -114,19 +182,21 @@ std::string verdict_text(Verdict verdict) {
       return "holds";
     case Verdict::under_conditions:
       return "holds under conditions";
+    case Verdict::too_coarse:
+      return "too coarse to tell";
     default:
       return "does not hold";
   }
 }
 
-void write_report(const std::filesystem::path& folder, const std::string& title,
+void write_report(const std::filesystem::path& folder, const ReportHead& head,
                   const std::vector<Report>& reports) {
-  const std::string markdown = report_markdown(title, reports);
+  const std::string markdown = report_markdown(head, reports);
   write_file(folder / "report.md", markdown);
   write_file(folder / "report.html",
              fmt::format("<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{}</title>"
                          "<style>{}</style></head>\n<body>\n{}</body></html>\n",
-                         title, kStyle, html_body(markdown)));
+                         head.title, kStyle, with_anchors(html_body(markdown), reports)));
 }
 
 }  // namespace kappaflow

@@ -7,7 +7,8 @@
 
 namespace kappaflow {
 
-enum class Verdict { holds, under_conditions, does_not_hold };
+/// too_coarse: of a smaller variant that does not meet a limit which is the whole one's.
+enum class Verdict { holds, under_conditions, does_not_hold, too_coarse };
 
 /// Something that is claimed, beside what was measured.
 struct Statement {
@@ -43,6 +44,7 @@ struct Figure {
 /// The chapter of one experiment.
 struct Report {
   std::string name, title;
+  std::string smaller;       ///< what a smaller variant did otherwise; empty: nothing
   std::string introduction;  ///< Markdown: what was done, with all the numbers that are needed to repeat it
   std::vector<Statement> statements;
   std::vector<Table> tables;
@@ -54,9 +56,17 @@ struct Report {
 /// The words of the report's last column but one.
 std::string verdict_text(Verdict verdict);
 
-/// Writes report.md and report.html into the folder: a summary of all statements, then a chapter for each.
-/// File names in the reports are relative to it. Throws IoError.
-void write_report(const std::filesystem::path& folder, const std::string& title,
+/// What stands above the chapters.
+struct ReportHead {
+  std::string title;
+  std::string program;  ///< its name and version
+  std::string command;  ///< as it was called
+  std::string date;
+};
+
+/// Writes report.md and report.html into the folder: how many statements hold and how many do not, a summary
+/// of all, then a chapter for each experiment. File names in the reports are relative to it. Throws IoError.
+void write_report(const std::filesystem::path& folder, const ReportHead& head,
                   const std::vector<Report>& reports);
 
 }  // namespace kappaflow

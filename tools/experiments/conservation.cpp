@@ -83,8 +83,10 @@ double furthest(const Particles& p, const Vec3& center) {
   return distance;
 }
 
-Report chapter(const ExperimentContext& context, const Scene& scene, std::string introduction) {
+/// whole: the duration of what is not the quick variant [s].
+Report chapter(const ExperimentContext& context, const Scene& scene, double whole, std::string introduction) {
   Report report;
+  add_smaller(report, "duration", fmt::format("{:.3g} s", scene.duration), fmt::format("{:.3g} s", whole));
   report.name = context.name;
   report.title = scene.title;
   report.introduction = std::move(introduction);
@@ -96,6 +98,7 @@ Report chapter(const ExperimentContext& context, const Scene& scene, std::string
 
 Report validate_drop(const ExperimentContext& context) {
   Scene scene = load_scene(context.file);
+  const double whole = scene.duration;
   if (context.options.quick) scene.duration /= 5;
   context.say("spinning");
   const double radius = std::get<SphereShape>(scene.blocks.front().shape).radius;
@@ -124,7 +127,7 @@ Report validate_drop(const ExperimentContext& context) {
   write_file(context.folder / "history.csv",
              csv_text("time,linear_error,angular_error,reach,kinetic_energy", rows));
   Report report = chapter(
-      context, scene,
+      context, scene, whole,
       fmt::format("`{}`: {} particles, {} steps; the drop spins with rho omega^2 R^3 / (8 sigma) = {}.",
                   context.file.filename().string(), liquid.size(), rows.size(), kRotationalBond));
   report.statements = {
@@ -140,6 +143,7 @@ Report validate_drop(const ExperimentContext& context) {
 
 Report validate_basin(const ExperimentContext& context) {
   Scene scene = load_scene(context.file);
+  const double whole = scene.duration;
   if (context.options.quick) scene.duration /= 3;
   context.say("resting");
   FluidSolver liquid = make_liquid(scene);
@@ -166,7 +170,7 @@ Report validate_basin(const ExperimentContext& context) {
       context.folder, context.name,
       std::vector{Plot{"Speeds of a liquid at rest", "t [s]", "speed / sqrt(g h)", {fastest, mean}, true}});
   write_file(context.folder / "history.csv", csv_text("time,fastest,mean,kinetic_energy", rows));
-  Report report = chapter(context, scene,
+  Report report = chapter(context, scene, whole,
                           fmt::format("`{}`: {} particles for {:.3g} s; the first third is left out.",
                                       context.file.filename().string(), liquid.size(), scene.duration));
   const double noise = kLeastEnergy * scene.duration / 3;
@@ -183,6 +187,7 @@ Report validate_basin(const ExperimentContext& context) {
 
 Report validate_falling(const ExperimentContext& context) {
   Scene scene = load_scene(context.file);
+  const double whole = scene.duration;
   if (context.options.quick) scene.duration /= 2;
   context.say("falling");
   FluidSolver liquid = make_liquid(scene);
@@ -207,7 +212,7 @@ Report validate_falling(const ExperimentContext& context) {
              std::vector{Plot{"Thin liquid falls off stairs", "t [s]", "speed [m/s]", {fastest, free_fall}}});
   write_file(context.folder / "history.csv",
              csv_text("time,fastest,free_fall,compression_max,time_step,density_iterations", rows));
-  Report report = chapter(context, scene,
+  Report report = chapter(context, scene, whole,
                           fmt::format("`{}`: {} particles; largest compression of a particle {:.3g} %.",
                                       context.file.filename().string(), liquid.size(), 100 * compression));
   report.statements = {within_limits("energy", "No particle becomes faster than free fall makes it.",

@@ -65,7 +65,7 @@ void read_variant(TomlTable& t, bool particles, EnrightOptions& options) {
   t.finish();
 }
 
-EnrightOptions read_options(const ExperimentContext& context, bool particles) {
+EnrightOptions read_options(const ExperimentContext& context, bool particles, bool quick_variant) {
   const toml::table document = read_toml(context.file);
   EnrightOptions options, other;
   TomlTable root(document, "the experiment", context.file.string());
@@ -81,7 +81,7 @@ EnrightOptions read_options(const ExperimentContext& context, bool particles) {
   const EnrightOptions full = options;
   read_variant(quick_particles, true, of_particles);
   read_variant(quick_exact, false, of_exact);
-  if (!context.options.quick) options = full;
+  if (!quick_variant) options = full;
   options.tracker.velocity.minimiser = context.options.minimiser.value_or(Minimiser::closed_form);
   if (options.steps % 2 != 0) ++options.steps;  // so that a step ends at half time
   return options;
@@ -342,6 +342,15 @@ Report enright(const ExperimentContext& context, const EnrightOptions& options, 
                          EnrightFlow::kRadius, EnrightFlow::kPeriod, results.front().start_triangles,
                          options.steps, name_of(kIntegrators, options.tracker.integrator),
                          options.tracker.velocity.damping, options.tracker.fairing.iterations);
+  const EnrightOptions whole = read_options(context, particles, false);
+  const auto metres = [](double length) { return fmt::format("{} m", length); };
+  const auto list = [](const std::vector<double>& lengths) {
+    return fmt::format("{} m", fmt::join(lengths, ", "));
+  };
+  add_smaller(report, "particle spacing", metres(options.spacing), metres(whole.spacing));
+  add_smaller(report, "mesh edges", metres(options.edge_length), metres(whole.edge_length));
+  add_smaller(report, "remeshed edges", list(options.remeshed), list(whole.remeshed));
+  add_smaller(report, "steps", fmt::format("{}", options.steps), fmt::format("{}", whole.steps));
   judge(results, particles, report);
   write_meshes(results, context, report);
   write_file(context.folder / "enright.csv", csv(results));
@@ -353,7 +362,7 @@ Report enright(const ExperimentContext& context, const EnrightOptions& options, 
 }  // namespace
 
 Report experiment_enright_particles(const ExperimentContext& context) {
-  const EnrightOptions options = read_options(context, true);
+  const EnrightOptions options = read_options(context, true, context.options.quick);
   EnrightParticles particles(options.spacing);
   ParticleFieldOptions field{.sigma = options.sigma * options.spacing, .weights = WeightRule::normalised};
   field.threshold = particles.threshold(field.sigma);
@@ -372,7 +381,7 @@ Report experiment_enright_particles(const ExperimentContext& context) {
 }
 
 Report experiment_enright_exact(const ExperimentContext& context) {
-  const EnrightOptions options = read_options(context, false);
+  const EnrightOptions options = read_options(context, false, context.options.quick);
   const auto motion_between = [](double t0, double t1) -> std::unique_ptr<FieldMotion> {
     return std::make_unique<EnrightMotion>(t0, t1);
   };

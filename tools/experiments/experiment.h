@@ -22,11 +22,11 @@ struct ExperimentOptions {
   std::filesystem::path folder;        ///< for the results
   std::filesystem::path scenes;        ///< where the experiments' files lie; empty: those of the program
   bool quick = false;                  ///< the smaller variant that each experiment's file describes
-  bool exact = false;                  ///< "all" includes enright-exact
   bool force = false;                  ///< replace the results that the folder already holds
   bool quiet = false;                  ///< print errors only
   std::optional<Minimiser> minimiser;  ///< of Eq. 10, instead of the closed form
   int threads = 1;
+  std::vector<std::string> command;  ///< for the report
 };
 
 /// What an experiment function gets.
@@ -38,6 +38,9 @@ struct ExperimentContext {
   /// Says on the terminal what is being done.
   void say(const std::string& text) const;
 };
+
+/// Adds to Report::smaller what a smaller variant has in place of the whole one's, where the two differ.
+void add_smaller(Report& report, const std::string& what, const std::string& has, const std::string& whole);
 
 /// Runs one experiment, writes its files into context.folder, and fills in its chapter; names of files in the
 /// chapter are relative to context.folder.

@@ -192,6 +192,7 @@ Report experiment_fig9(const ExperimentContext& context) {
       "its mesh stays sound.",
       context.file.filename().string(), run.frames.front().particles, run.frames.size(),
       run.frames.back().time);
+  if (context.options.quick) add_smaller(report, "scene", context.file.filename().string(), "staircase.toml");
   judge(run, report);
   add_pictures(run, context, report);
   add_plots(run, context, report);

@@ -143,10 +143,11 @@ void judge(const std::vector<Result>& results, Report& report) {
 
 Report validate_hydrostatic(const ExperimentContext& context) {
   const Scene scene = load_scene(context.file);
+  const std::vector<double> whole{1.0, 0.5}, factors = context.options.quick ? std::vector{1.0} : whole;
   std::vector<Result> results;
   Plot plot{"Pressure at rest", "height / depth", "p / (rho g depth)", {{"exact", {{0, 1}, {1, 0}}}}};
   std::vector<std::vector<double>> rows, profiles;
-  for (const double factor : context.options.quick ? std::vector{1.0} : std::vector{1.0, 0.5}) {
+  for (const double factor : factors) {
     const Scene refined = with_spacing(scene, factor * scene.fluid.spacing);
     context.say(fmt::format("spacing {:.3g} m", refined.fluid.spacing));
     results.push_back(run_at(refined));
@@ -166,6 +167,7 @@ Report validate_hydrostatic(const ExperimentContext& context) {
   report.title = scene.title;
   report.introduction = fmt::format("`{}`: liquid 1 m deep from wall to wall of a basin, after {:.3g} s.",
                                     context.file.filename().string(), scene.duration);
+  add_smaller(report, "spacing", spacings_text(scene, factors), spacings_text(scene, whole));
   judge(results, report);
   report.figures = {{context.name + ".png", "Mean pressure of the layers against the depth."}};
   report.files = {"summary.csv", "profiles.csv", context.name + ".gp"};

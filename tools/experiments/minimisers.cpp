@@ -31,7 +31,7 @@ struct Options {
   int repetitions = 1;
 };
 
-Options read_options(const ExperimentContext& context) {
+Options read_options(const ExperimentContext& context, bool quick_variant) {
   const toml::table document = read_toml(context.file);
   TomlTable root(document, "the experiment", context.file.string());
   Options o;
@@ -48,7 +48,7 @@ Options read_options(const ExperimentContext& context) {
   o.edge_length = quick.number("edge_length", positive("m", 10), o.edge_length);
   o.flow_time = quick.number("flow_time", positive("s", 10), o.flow_time);
   quick.finish();
-  return context.options.quick ? o : full;
+  return quick_variant ? o : full;
 }
 
 /// Eq. 10 at the vertices of one mesh.
@@ -226,7 +226,8 @@ void judge(const std::vector<Result>& results, Report& report) {
 }  // namespace
 
 Report experiment_minimisers(const ExperimentContext& context) {
-  const Options options = read_options(context);
+  const Options options = read_options(context, context.options.quick);
+  const Options whole = read_options(context, false);
   const std::vector<Problem> problems = make_problems(options, context);
   std::vector<Result> results;
   std::vector<Plot> plots;
@@ -252,6 +253,12 @@ Report experiment_minimisers(const ExperimentContext& context) {
       "from rest at every vertex by Powell's method (the paper's), by BFGS (the paper's advice) and in "
       "closed form.",
       options.rigid_damping, options.flow_damping);
+  add_smaller(report, "mesh edges of the bodies", fmt::format("{} m", options.edge_length),
+              fmt::format("{} m", whole.edge_length));
+  add_smaller(report, "flow at", fmt::format("{} s", options.flow_time),
+              fmt::format("{} s", whole.flow_time));
+  add_smaller(report, "solutions timed", fmt::format("{}", options.repetitions),
+              fmt::format("{}", whole.repetitions));
   judge(results, report);
   report.tables = {result_table(results)};
   report.figures = {{"minimisers.png", "Where the minimisers stop, against how well the problem is posed."}};

@@ -48,7 +48,7 @@ void read_velocity(TomlTable& t, double& edge_length, VelocityOptions& velocity)
   velocity.speed_limit = t.number("speed_limit", positive("", 1e3));
 }
 
-Options read_options(const ExperimentContext& context) {
+Options read_options(const ExperimentContext& context, bool quick_variant) {
   const toml::table document = read_toml(context.file);
   TomlTable root(document, "the experiment", context.file.string());
   Options o;
@@ -63,7 +63,7 @@ Options read_options(const ExperimentContext& context) {
   flow.finish();
   const int quick_frames = quick.integer("frames", 1, static_cast<int>(o.frames.size()), 1);
   quick.finish();
-  if (context.options.quick) o.frames.resize(quick_frames);
+  if (quick_variant) o.frames.resize(quick_frames);
   for (VelocityOptions* velocity : {&o.body_velocity, &o.flow_velocity})
     velocity->minimiser = context.options.minimiser.value_or(Minimiser::closed_form);
   return o;
@@ -186,7 +186,7 @@ void judge(const Errors& body, const Errors& flow, Report& report) {
 }  // namespace
 
 Report experiment_motions(const ExperimentContext& context) {
-  const Options options = read_options(context);
+  const Options options = read_options(context, context.options.quick);
   const std::filesystem::path folder = context.file.parent_path();
   const Errors body = body_errors(options, folder), flow = flow_slips(options, folder, context);
   write_file(context.folder / "motions.csv", csv(body, flow));
@@ -200,6 +200,8 @@ Report experiment_motions(const ExperimentContext& context) {
       "another simulator made (damping {}, speed limit {}).",
       options.body_velocity.damping, options.body_velocity.speed_limit, options.frames.size(),
       options.flow_velocity.damping, options.flow_velocity.speed_limit);
+  add_smaller(report, "frames of the flow", fmt::format("{}", options.frames.size()),
+              fmt::format("{}", read_options(context, false).frames.size()));
   judge(body, flow, report);
   std::vector<Plot> plots{{"Frames of a real flow", "frame", "slip [1]", {}}};
   for (std::size_t m = 0; m < velocity_methods().size(); ++m) {

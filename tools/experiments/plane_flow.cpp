@@ -166,7 +166,8 @@ Report validate(const ExperimentContext& context, const PlaneFlow& flow) {
   const Scene scene = load_scene(context.file);
   std::vector<Result> results;
   std::vector<std::vector<double>> rows, points;
-  for (const int layers : context.options.quick ? std::vector{6, 8} : std::vector{6, 8, 12, 16}) {
+  const std::vector<int> whole{6, 8, 12, 16}, chosen = context.options.quick ? std::vector{6, 8} : whole;
+  for (const int layers : chosen) {
     context.say(fmt::format("{} layers", layers));
     results.push_back(run_at(scene, flow, layers));
     const Result& r = results.back();
@@ -189,6 +190,8 @@ Report validate(const ExperimentContext& context, const PlaneFlow& flow) {
       "than a "
       "gap, so that the flow in its middle is plane; tau = viscosity t / gap^2.",
       context.file.filename().string());
+  add_smaller(report, "layers across the gap", fmt::format("{}", fmt::join(chosen, ", ")),
+              fmt::format("{}", fmt::join(whole, ", ")));
   judge(flow, results, report);
   report.figures = {{context.name + ".png", "Means over the layers of particles, and the series solution."}};
   report.files = {"summary.csv", "profiles.csv", context.name + ".gp"};

@@ -20,6 +20,22 @@ struct Chapter {
   Report report;
 };
 
+/// What the quick variant leaves out of the whole experiment.
+void describe_smaller(const ExperimentContext& context, Chapter& chapter) {
+  if (!context.options.quick) return;
+  const RigidExperiment whole = read_rigid_experiment(context.file, false), &quick = chapter.experiment;
+  const auto text = [](const auto& value) { return fmt::format("{}", value); };
+  const auto fairing = [](const RigidExperiment& e) {
+    return fmt::format("{}", fmt::join(e.fairing_iterations, ", "));
+  };
+  const auto edges = [](const RigidExperiment& e) {
+    return fmt::format("{} m", e.bodies.front().edge_length);
+  };
+  add_smaller(chapter.report, "turns", text(quick.cycles), text(whole.cycles));
+  add_smaller(chapter.report, "fairing iterations", fairing(quick), fairing(whole));
+  add_smaller(chapter.report, "mesh edges", edges(quick), edges(whole));
+}
+
 Chapter run_chapter(const ExperimentContext& context, const std::string& introduction) {
   Chapter chapter;
   chapter.experiment = read_rigid_experiment(context.file, context.options.quick);
@@ -29,6 +45,7 @@ Chapter run_chapter(const ExperimentContext& context, const std::string& introdu
   chapter.report.title = chapter.experiment.title;
   chapter.report.introduction = introduction + "\n\n" + rigid_setting(chapter.experiment);
   chapter.report.files = write_rigid_results(chapter.experiment, chapter.cases, context);
+  describe_smaller(context, chapter);
   return chapter;
 }
 

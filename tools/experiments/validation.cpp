@@ -17,6 +17,13 @@ Scene with_spacing(Scene scene, double spacing) {
   return scene;
 }
 
+std::string spacings_text(const Scene& scene, std::span<const double> factors) {
+  std::vector<std::string> spacings;
+  for (const double factor : factors)
+    spacings.push_back(fmt::format("{:.3g} m", factor * scene.fluid.spacing));
+  return fmt::format("{}", fmt::join(spacings, ", "));
+}
+
 FluidSolver make_liquid(const Scene& scene) {
   const FluidParticlesAtStart start = fill_blocks(scene);
   return {scene.fluid,          start.position,      start.velocity,
@@ -63,8 +70,8 @@ Statement within_limits(const std::string& source, const std::string& statement,
   std::string measured;
   for (const Bounded& number : numbers) {
     checks.push_back({number.what, number.value <= number.limit});
-    measured += fmt::format("{}{}: {:.3g}, limit {:.3g}", measured.empty() ? "" : "; ", number.what,
-                            number.value, number.limit);
+    measured += fmt::format("{}{}{}{:.3g}, limit {:.3g}", measured.empty() ? "" : "; ", number.what,
+                            number.what.empty() ? "" : ": ", number.value, number.limit);
   }
   return judged(source, statement, measured, checks, why);
 }

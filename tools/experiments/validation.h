@@ -22,6 +22,9 @@ inline constexpr std::string_view kValidationPrefix = "validate-";
 /// The scene at another resolution.
 Scene with_spacing(Scene scene, double spacing);
 
+/// The spacings of a scene with its own times each of these: "0.05 m, 0.025 m".
+std::string spacings_text(const Scene& scene, std::span<const double> factors);
+
 /// The liquid of a scene between its walls, without a surface.
 FluidSolver make_liquid(const Scene& scene);
 
