@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kMagic = "BgeoV";
+constexpr std::string_view kBgeoMagic = "BgeoV";
 constexpr std::uint32_t kVersion = 5;
 enum AttributeType : std::uint32_t { kFloat = 0, kInteger = 1, kString = 4, kVector = 5 };
 
@@ -94,7 +94,7 @@ Definition read_definition(BigEndianReader& in) {
 
 PointData read_bgeo(const fs::path& file) {
   BigEndianReader in(file);
-  if (in.text(kMagic.size()) != kMagic) throw IoError(file.string(), "is no .bgeo file of version 5");
+  if (in.text(kBgeoMagic.size()) != kBgeoMagic) throw IoError(file.string(), "is no .bgeo file of version 5");
   if (const std::uint32_t version = in.number(); version != kVersion)
     throw IoError(file.string(), fmt::format("is of version {}; .bgeo is read in version 5", version));
   const std::uint32_t points = in.number();

@@ -144,9 +144,9 @@ std::string decoded(std::string_view name) {
 }
 
 /// Reads the sections of a file, which may come in any order.
-class Reader {
+class LegacyReader {
  public:
-  explicit Reader(std::string_view bytes) : in_(bytes) {}
+  explicit LegacyReader(std::string_view bytes) : in_(bytes) {}
 
   PointData read() {
     read_head();
@@ -303,7 +303,7 @@ class Reader {
 }  // namespace
 
 PointData parse_legacy_vtk(std::string_view bytes) {
-  return Reader(bytes).read();
+  return LegacyReader(bytes).read();
 }
 
 }  // namespace kappaflow

@@ -21,13 +21,13 @@ const std::array<Vec2, 7> kMeasured{Vec2{0.832, 1.217}, Vec2{1.219, 1.474}, Vec2
 
 // The measurements scatter by about 0.1 (the two columns of the figure differ by that), and a front is known
 // to about a spacing, 0.05 a. All limits are RMS of Z over the measurements, relative to the RMS of Z.
-constexpr double kLimit = 0.05;       // with the time of release that fits best
-constexpr double kSpeedLimit = 0.1;   // of the mean speed
-constexpr double kGridLimit = 0.03;   // between the two spacings
-constexpr double kDelayLimit = 0.35;  // of the release [a measurement's T]: less than between two of them
+constexpr double kLimit = 0.05;           // with the time of release that fits best
+constexpr double kFrontSpeedLimit = 0.1;  // of the mean speed
+constexpr double kGridLimit = 0.03;       // between the two spacings
+constexpr double kDelayLimit = 0.35;      // of the release [a measurement's T]: less than between two of them
 
 /// Mean over slices one spacing thick of the place of the foremost particle, and half a spacing.
-double front(const FluidSolver& liquid, const Scene& scene) {
+double column_front(const FluidSolver& liquid, const Scene& scene) {
   const double h = scene.fluid.spacing;
   std::vector<double> foremost;
   for (const Vec3& x : liquid.particles().position) {
@@ -40,25 +40,26 @@ double front(const FluidSolver& liquid, const Scene& scene) {
   return sum / static_cast<double>(foremost.size()) + h / 2;
 }
 
-struct Result {
+struct DamBreakResult {
   double spacing;
   std::size_t particles;
   std::vector<Vec2> fronts;  ///< (T, Z) of every step
 };
 
-Result run_at(const Scene& scene) {
+DamBreakResult run_dam_break(const Scene& scene) {
   const auto& column = std::get<BoxShape>(scene.blocks.front().shape);
   const double a = column.upper.x() - column.lower.x();
   const double unit = std::sqrt(2 * scene.fluid.gravity.norm() / a);
   FluidSolver liquid = make_liquid(scene);
-  Result r{scene.fluid.spacing, liquid.size(), {{0, 1}}};
-  advance(liquid, scene.duration,
-          [&](const FluidStep&) { r.fronts.emplace_back(unit * liquid.time(), front(liquid, scene) / a); });
+  DamBreakResult r{scene.fluid.spacing, liquid.size(), {{0, 1}}};
+  advance(liquid, scene.duration, [&](const FluidStep&) {
+    r.fronts.emplace_back(unit * liquid.time(), column_front(liquid, scene) / a);
+  });
   return r;
 }
 
 /// Linear between the steps.
-double front_at(const Result& r, double time) {
+double front_at(const DamBreakResult& r, double time) {
   const auto next = std::ranges::find_if(r.fronts, [=](const Vec2& p) { return p.x() >= time; });
   if (next == r.fronts.begin() || next == r.fronts.end()) return std::nan("");
   const Vec2 &a = *(next - 1), &b = *next;
@@ -66,13 +67,13 @@ double front_at(const Result& r, double time) {
 }
 
 /// Of a column let go at T = delay.
-double relative_error(const Result& r, double delay) {
+double relative_error(const DamBreakResult& r, double delay) {
   return rms_difference(kMeasured, [&](double time) { return front_at(r, time - delay); }) /
          rms_difference(kMeasured, [](double) { return 0.0; });
 }
 
 /// The delay for which the error is smallest, to 0.01.
-double best_delay(const Result& r) {
+double best_delay(const DamBreakResult& r) {
   double best = 0;
   for (int k = 0; k < 60; ++k)
     if (relative_error(r, 0.01 * k) < relative_error(r, best)) best = 0.01 * k;
@@ -85,20 +86,20 @@ double speed(const Vec2& from, const Vec2& to) {
 }
 
 /// Relative to the measured one, from T = 2 to T = 4.4.
-double speed_error(const Result& r) {
+double speed_error(const DamBreakResult& r) {
   const Vec2 &from = kMeasured[2], &to = kMeasured.back();
   return std::abs(speed({from.x(), front_at(r, from.x())}, {to.x(), front_at(r, to.x())}) / speed(from, to) -
                   1);
 }
 
-void judge(const std::vector<Result>& results, Report& report) {
+void judge(const std::vector<DamBreakResult>& results, Report& report) {
   std::vector<Bounded> errors, delays, speeds;
-  for (const Result& r : results) {
+  for (const DamBreakResult& r : results) {
     const std::string at = fmt::format("spacing {:.3g} m", r.spacing);
     const double delay = best_delay(r);
     errors.push_back({at, relative_error(r, delay), kLimit});
     delays.push_back({at, delay, kDelayLimit});
-    speeds.push_back({at, speed_error(r), kSpeedLimit});
+    speeds.push_back({at, speed_error(r), kFrontSpeedLimit});
   }
   report.statements = {
       within_limits(
@@ -129,15 +130,15 @@ void judge(const std::vector<Result>& results, Report& report) {
 
 Report validate_dam_break(const ExperimentContext& context) {
   const Scene scene = load_scene(context.file);
-  std::vector<Result> results;
+  std::vector<DamBreakResult> results;
   std::vector<std::vector<double>> rows, fronts;
   Plot plot{"Front of the collapsing column", "t sqrt(2 g / a)", "front / a", {}};
   plot.curves.push_back({"Martin & Moyce 1952", {kMeasured.begin(), kMeasured.end()}});
   for (const double factor : context.options.quick ? std::vector{2.0} : std::vector{1.0, 2.0 / 3}) {
     const Scene refined = with_spacing(scene, factor * scene.fluid.spacing);
     context.say(fmt::format("spacing {:.3g} m", refined.fluid.spacing));
-    results.push_back(run_at(refined));
-    const Result& r = results.back();
+    results.push_back(run_dam_break(refined));
+    const DamBreakResult& r = results.back();
     plot.curves.push_back({fmt::format("spacing {:.3g} m", r.spacing), r.fronts});
     const double delay = best_delay(r);
     rows.push_back({r.spacing, static_cast<double>(r.particles), relative_error(r, 0), delay,

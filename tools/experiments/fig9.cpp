@@ -14,7 +14,7 @@
 namespace kappaflow {
 namespace {
 
-constexpr const char* kPaper = "Fujisawa et al. 2011, Fig. 9";
+constexpr const char* kFigure9 = "Fujisawa et al. 2011, Fig. 9";
 
 RunSummary run_all_methods(const ExperimentContext& context) {
   RunOptions options;
@@ -143,14 +143,14 @@ void judge(const RunSummary& run, Report& report) {
                rotation_total = value("total", &SurfaceMetrics::rotation_captured),
                rotation_curvature = value("curvature", &SurfaceMetrics::rotation_captured);
   report.statements.push_back(
-      judged(kPaper, "Curvature invariance follows the rolling of the liquid, total velocity does not.",
+      judged(kFigure9, "Curvature invariance follows the rolling of the liquid, total velocity does not.",
              fmt::format("rotation captured, median: total {:.3f}, curvature {:.3f}", rotation_total,
                          rotation_curvature),
              {{"curvature within 20 % of the material's rotation", std::abs(rotation_curvature - 1) < 0.2},
               {"total off by more", std::abs(rotation_total - 1) > std::abs(rotation_curvature - 1)}},
              "Total velocity keeps normals, which a rolling body does not."));
   report.statements.push_back(
-      judged(kPaper, "Curvature invariance moves the surface with the liquid better than total velocity.",
+      judged(kFigure9, "Curvature invariance moves the surface with the liquid better than total velocity.",
              fmt::format("slip, median: total {:.3f}, curvature {:.3f}", slip_total, slip_curvature),
              {{"curvature slips less", slip_curvature < slip_total}},
              "0 is perfect, 1 is no better than not moving along the surface at all."));

@@ -28,7 +28,7 @@ constexpr double kExponentLimit = 0.0125;   // a tenth of the exponent
 constexpr double kCoefficientLimit = 0.05;  // relative
 
 /// Mean over sectors of the farthest particle from the axis, and half a spacing.
-double front(const FluidSolver& liquid, const Scene& scene) {
+double current_front(const FluidSolver& liquid, const Scene& scene) {
   std::array<double, 36> farthest{};
   for (const Vec3& x : liquid.particles().position) {
     const double turn = std::atan2(x.z(), x.x()) / (2 * std::numbers::pi) + 0.5;
@@ -40,7 +40,7 @@ double front(const FluidSolver& liquid, const Scene& scene) {
   return sum / static_cast<double>(farthest.size()) + scene.fluid.spacing / 2;
 }
 
-struct Result {
+struct GravityCurrentResult {
   double spacing;
   std::size_t particles;
   std::vector<Vec2> fronts;  ///< (g V^3 t / (3 nu) [m8], r [m])
@@ -48,18 +48,18 @@ struct Result {
   double coefficient_error;  ///< of r at the end, relative
 };
 
-Result run_at(const Scene& scene) {
+GravityCurrentResult run_gravity_current(const Scene& scene) {
   FluidSolver liquid = make_liquid(scene);
   const double radius = std::get<SphereShape>(scene.blocks.front().shape).radius;
   const double volume = static_cast<double>(liquid.size()) * std::pow(scene.fluid.spacing, 3);
   const double unit =
       scene.fluid.gravity.norm() * std::pow(volume, 3) / (3 * scene.fluid.kinematic_viscosity);
-  Result r{scene.fluid.spacing, liquid.size(), {}, {}, 0};
+  GravityCurrentResult r{scene.fluid.spacing, liquid.size(), {}, {}, 0};
   std::vector<Vec2> late;
   // Times that a power law spaces evenly.
   for (double time = 0.2; time < scene.duration * 1.001; time *= std::pow(scene.duration / 0.2, 1.0 / 40)) {
     advance(liquid, std::min(time, scene.duration));
-    r.fronts.emplace_back(unit * liquid.time(), front(liquid, scene));
+    r.fronts.emplace_back(unit * liquid.time(), current_front(liquid, scene));
     if (r.fronts.back().y() > kFirstRadius * radius) late.push_back(r.fronts.back());
   }
   r.fit = fit_power_law(late);
@@ -68,10 +68,10 @@ Result run_at(const Scene& scene) {
   return r;
 }
 
-void judge(const std::vector<Result>& results, Report& report) {
+void judge(const std::vector<GravityCurrentResult>& results, Report& report) {
   std::vector<Bounded> exponent, coefficient;
   std::string fits;
-  for (const Result& r : results) {
+  for (const GravityCurrentResult& r : results) {
     const std::string at = fmt::format("spacing {:.3g} m", r.spacing);
     exponent.push_back({at, std::abs(r.fit.exponent - kExponent), kExponentLimit});
     coefficient.push_back({at, std::abs(r.coefficient_error), kCoefficientLimit});
@@ -91,15 +91,15 @@ void judge(const std::vector<Result>& results, Report& report) {
 Report validate_gravity_current(const ExperimentContext& context) {
   const Scene scene = load_scene(context.file);
   const std::vector<double> whole{1.2, 1.0}, factors = context.options.quick ? std::vector{2.0} : whole;
-  std::vector<Result> results;
+  std::vector<GravityCurrentResult> results;
   std::vector<std::vector<double>> rows, fronts;
   Plot plot{"Front of the current", "r [m]", "r (g V^3 t / (3 nu))^(-1/8)", {}};
   plot.curves.push_back({"Huppert 1982", {{1, kCoefficient}, {2, kCoefficient}}});
   for (const double factor : factors) {
     const Scene refined = with_spacing(scene, factor * scene.fluid.spacing);
     context.say(fmt::format("spacing {:.3g} m", refined.fluid.spacing));
-    results.push_back(run_at(refined));
-    const Result& r = results.back();
+    results.push_back(run_gravity_current(refined));
+    const GravityCurrentResult& r = results.back();
     Curve curve{fmt::format("spacing {:.3g} m", r.spacing), {}};
     for (const Vec2& p : r.fronts) curve.points.emplace_back(p.y(), p.y() / std::pow(p.x(), kExponent));
     plot.curves.push_back(std::move(curve));

@@ -22,7 +22,7 @@ constexpr double kFluctuationLimit =
     0.05;  // standard deviation over time of the mean pressure, relative to its mean
 constexpr double kLevelLimit =
     0.25;  // [spacings]: walls are irregular, and liquid fills what room they leave
-constexpr double kSpeedLimit = 0.01;  // RMS over the particles, relative to sqrt(g depth)
+constexpr double kRestSpeedLimit = 0.01;  // RMS over the particles, relative to sqrt(g depth)
 
 struct Basin {
   double depth, bottom;
@@ -33,7 +33,7 @@ Basin basin_of(const Scene& scene) {
   return {box.upper.y() - box.lower.y(), box.lower.y()};
 }
 
-struct Result {
+struct HydrostaticResult {
   double spacing;
   std::size_t particles;
   std::vector<Vec2> profile;  ///< (height, mean pressure over rho g depth) of layers one spacing thick
@@ -91,7 +91,7 @@ double slope(std::span<const Vec2> points) {
   return xy / xx;
 }
 
-Result run_at(const Scene& scene) {
+HydrostaticResult run_hydrostatic(const Scene& scene) {
   FluidSolver liquid = make_liquid(scene);
   Layers layers(scene);
   double time = 0, sum = 0, square = 0;
@@ -109,7 +109,7 @@ Result run_at(const Scene& scene) {
     height += (particles.position[i].y() - basin.bottom) / static_cast<double>(particles.size());
     energy += particles.velocity[i].squaredNorm() / static_cast<double>(particles.size());
   }
-  Result r{scene.fluid.spacing, liquid.size(), layers.profile(), 0, 0, 0, 0, 0};
+  HydrostaticResult r{scene.fluid.spacing, liquid.size(), layers.profile(), 0, 0, 0, 0, 0};
   r.pressure_error = rms_difference(r.profile, [](double y) { return 1 - y; });
   r.slope_error = std::abs(-slope(r.profile) - 1);
   r.fluctuation = std::sqrt(std::max(square / time - std::pow(sum / time, 2), 0.0)) / (sum / time);
@@ -118,15 +118,15 @@ Result run_at(const Scene& scene) {
   return r;
 }
 
-void judge(const std::vector<Result>& results, Report& report) {
+void judge(const std::vector<HydrostaticResult>& results, Report& report) {
   std::vector<Bounded> pressure, level, speed;
-  for (const Result& r : results) {
+  for (const HydrostaticResult& r : results) {
     const std::string at = fmt::format("spacing {:.3g} m", r.spacing);
     pressure.push_back({"error, " + at, r.pressure_error, kPressureLimit});
     pressure.push_back({"slope, " + at, r.slope_error, kSlopeLimit});
     pressure.push_back({"fluctuation, " + at, r.fluctuation, kFluctuationLimit});
     level.push_back({at, r.level_error, kLevelLimit});
-    speed.push_back({at, r.speed, kSpeedLimit});
+    speed.push_back({at, r.speed, kRestSpeedLimit});
   }
   report.statements = {
       within_limits("hydrostatics", "p = rho g (depth).", pressure,
@@ -144,14 +144,14 @@ void judge(const std::vector<Result>& results, Report& report) {
 Report validate_hydrostatic(const ExperimentContext& context) {
   const Scene scene = load_scene(context.file);
   const std::vector<double> whole{1.0, 0.5}, factors = context.options.quick ? std::vector{1.0} : whole;
-  std::vector<Result> results;
+  std::vector<HydrostaticResult> results;
   Plot plot{"Pressure at rest", "height / depth", "p / (rho g depth)", {{"exact", {{0, 1}, {1, 0}}}}};
   std::vector<std::vector<double>> rows, profiles;
   for (const double factor : factors) {
     const Scene refined = with_spacing(scene, factor * scene.fluid.spacing);
     context.say(fmt::format("spacing {:.3g} m", refined.fluid.spacing));
-    results.push_back(run_at(refined));
-    const Result& r = results.back();
+    results.push_back(run_hydrostatic(refined));
+    const HydrostaticResult& r = results.back();
     plot.curves.push_back({fmt::format("spacing {:.3g} m", r.spacing), r.profile});
     rows.push_back({r.spacing, static_cast<double>(r.particles), r.pressure_error, r.slope_error,
                     r.fluctuation, r.level_error, r.speed});

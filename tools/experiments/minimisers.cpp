@@ -25,16 +25,16 @@ namespace {
 constexpr double kElsewhere = 1e-3;  // a velocity that differs by more, in units of the fastest particle
 constexpr double kWellPosed = 1e-2;  // smaller singular values make a flat valley
 
-struct Options {
+struct ProblemOptions {
   std::string title;
   double rigid_damping = 0, flow_damping = 0, flow_time = 0, edge_length = 0;
   int repetitions = 1;
 };
 
-Options read_options(const ExperimentContext& context, bool quick_variant) {
+ProblemOptions problem_options(const ExperimentContext& context, bool quick_variant) {
   const toml::table document = read_toml(context.file);
   TomlTable root(document, "the experiment", context.file.string());
-  Options o;
+  ProblemOptions o;
   o.title = root.text("title");
   o.rigid_damping = root.number("rigid_damping", positive("", 1));
   o.flow_damping = root.number("flow_damping", positive("", 1));
@@ -43,7 +43,7 @@ Options read_options(const ExperimentContext& context, bool quick_variant) {
   o.repetitions = root.integer("repetitions", 1, 100000);
   TomlTable quick = root.table("quick");
   root.finish();
-  const Options full = o;
+  const ProblemOptions full = o;
   o.repetitions = quick.integer("repetitions", 1, 100000, o.repetitions);
   o.edge_length = quick.number("edge_length", positive("m", 10), o.edge_length);
   o.flow_time = quick.number("flow_time", positive("s", 10), o.flow_time);
@@ -79,7 +79,7 @@ Problem make_problem(const std::string& name, double damping, const Field& field
   return problem;
 }
 
-std::vector<Problem> make_problems(const Options& options, const ExperimentContext& context) {
+std::vector<Problem> make_problems(const ProblemOptions& options, const ExperimentContext& context) {
   std::vector<Problem> problems;
   const std::filesystem::path folder = context.file.parent_path();
   for (const char* file : {"fig4.toml", "body.toml"}) {
@@ -101,7 +101,7 @@ std::vector<Problem> make_problems(const Options& options, const ExperimentConte
   return problems;
 }
 
-struct Result {
+struct MinimiserResult {
   const Problem* problem;
   Minimiser minimiser;
   double nanoseconds = 0;            ///< a vertex, on one core, the rows given
@@ -118,8 +118,8 @@ double damped_sum(const TangentialRows<4>& rows, double lambda, const Vec2& y) {
   return (rows.R * y - rows.b).squaredNorm() + lambda * lambda * y.squaredNorm();
 }
 
-Result solve(const Problem& problem, Minimiser minimiser, int repetitions) {
-  Result result{&problem, minimiser, 0, 0, 0, 0, 0, 0, {}, {}};
+MinimiserResult solve(const Problem& problem, Minimiser minimiser, int repetitions) {
+  MinimiserResult result{&problem, minimiser, 0, 0, 0, 0, 0, 0, {}, {}};
   const std::size_t n = problem.rows.size();
   std::vector<TangentialMinimum> found(n);
   const Stopwatch watch;
@@ -147,13 +147,13 @@ Result solve(const Problem& problem, Minimiser minimiser, int repetitions) {
   return result;
 }
 
-std::string why(const Result& r) {
+std::string why(const MinimiserResult& r) {
   if (r.elsewhere.empty()) return "-";
   const auto [low, high] = std::ranges::minmax(r.elsewhere);
   return fmt::format("smaller singular value {:.1g} to {:.1g}", low, high);
 }
 
-Table result_table(const std::vector<Result>& results) {
+Table result_table(const std::vector<MinimiserResult>& results) {
   Table table{fmt::format("*Elsewhere*: vertices whose velocity differs from the closed form's by more than "
                           "{} of the fastest particle. Times are of one core, with the rows given; making "
                           "the rows, the jet included, comes on top for each.",
@@ -162,7 +162,7 @@ Table result_table(const std::vector<Result>& results) {
                "RMS difference", "largest excess of the sum over the closed form's [sum at rest]",
                "elsewhere", "where"},
               {}};
-  for (const Result& r : results)
+  for (const MinimiserResult& r : results)
     table.rows.push_back({r.problem->name, std::string(name_of(kMinimisers, r.minimiser)),
                           fmt::format("{}", r.problem->rows.size()), fmt::format("{:.1f}", r.evaluations),
                           fmt::format("{:.0f}", r.nanoseconds),
@@ -174,11 +174,11 @@ Table result_table(const std::vector<Result>& results) {
   return table;
 }
 
-std::string csv(const std::vector<Result>& results) {
+std::string csv(const std::vector<MinimiserResult>& results) {
   std::string text =
       "problem,minimiser,vertices,evaluations,ns_per_vertex,rows_ns_per_vertex,rms_difference,"
       "well_posed_difference_max,excess_max,excess_min,elsewhere_fraction,elsewhere_singular_value_max\n";
-  for (const Result& r : results)
+  for (const MinimiserResult& r : results)
     text += fmt::format("{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}\n",
                         r.problem->name, name_of(kMinimisers, r.minimiser), r.problem->rows.size(),
                         r.evaluations, r.nanoseconds, r.problem->jet_nanoseconds, r.difference,
@@ -188,11 +188,11 @@ std::string csv(const std::vector<Result>& results) {
   return text;
 }
 
-void judge(const std::vector<Result>& results, Report& report) {
+void judge(const std::vector<MinimiserResult>& results, Report& report) {
   std::vector<Check> faster, agree, fewer;
   std::string times, differences, evaluations;
   for (std::size_t r = 0; r < results.size(); r += 3) {
-    const Result &closed = results[r], &bfgs = results[r + 1], &powell = results[r + 2];
+    const MinimiserResult &closed = results[r], &bfgs = results[r + 1], &powell = results[r + 2];
     const std::string& name = closed.problem->name;
     faster.push_back({name, powell.nanoseconds > 50 * closed.nanoseconds});
     agree.push_back({name, std::max(bfgs.well_posed_difference, powell.well_posed_difference) < 1e-4});
@@ -226,10 +226,10 @@ void judge(const std::vector<Result>& results, Report& report) {
 }  // namespace
 
 Report experiment_minimisers(const ExperimentContext& context) {
-  const Options options = read_options(context, context.options.quick);
-  const Options whole = read_options(context, false);
+  const ProblemOptions options = problem_options(context, context.options.quick);
+  const ProblemOptions whole = problem_options(context, false);
   const std::vector<Problem> problems = make_problems(options, context);
-  std::vector<Result> results;
+  std::vector<MinimiserResult> results;
   std::vector<Plot> plots;
   for (const Problem& problem : problems) {
     context.say(problem.name);
@@ -238,7 +238,7 @@ Report experiment_minimisers(const ExperimentContext& context) {
     Plot plot{
         problem.name, "smaller singular value", "distance from the closed form [fastest particle]", {}, true,
         true};
-    for (const Result* r : {&results[results.size() - 2], &results.back()})
+    for (const MinimiserResult* r : {&results[results.size() - 2], &results.back()})
       plot.curves.push_back({std::string(name_of(kMinimisers, r->minimiser)), r->distances});
     plots.push_back(std::move(plot));
   }

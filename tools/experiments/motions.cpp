@@ -34,7 +34,7 @@ std::vector<AffineMotion> affine_motions() {
           {"stretch", Vec3::Zero(), stretch}};
 }
 
-struct Options {
+struct MotionOptions {
   std::string title;
   std::filesystem::path body;
   std::vector<std::string> frames;
@@ -48,10 +48,10 @@ void read_velocity(TomlTable& t, double& edge_length, VelocityOptions& velocity)
   velocity.speed_limit = t.number("speed_limit", positive("", 1e3));
 }
 
-Options read_options(const ExperimentContext& context, bool quick_variant) {
+MotionOptions motion_options(const ExperimentContext& context, bool quick_variant) {
   const toml::table document = read_toml(context.file);
   TomlTable root(document, "the experiment", context.file.string());
-  Options o;
+  MotionOptions o;
   o.title = root.text("title");
   TomlTable body = root.table("body", true), flow = root.table("flow", true), quick = root.table("quick");
   root.finish();
@@ -86,7 +86,7 @@ ParticleField field_of(const FieldParticles& particles) {
 }
 
 /// Area-weighted RMS error of the velocity over the RMS true velocity.
-Errors body_errors(const Options& options, const std::filesystem::path& folder) {
+Errors body_errors(const MotionOptions& options, const std::filesystem::path& folder) {
   FieldParticles particles = read_particle_file(folder / options.body);
   const TriangleMesh mesh = initial_mesh(field_of(particles), options.body_edge, {.tolerance = 1e-10});
   const VertexRings rings = vertex_rings(mesh.vertex_count(), mesh.triangles);
@@ -112,7 +112,7 @@ Errors body_errors(const Options& options, const std::filesystem::path& folder) 
 }
 
 /// Slip against the material velocity, see slip().
-Errors flow_slips(const Options& options, const std::filesystem::path& folder,
+Errors flow_slips(const MotionOptions& options, const std::filesystem::path& folder,
                   const ExperimentContext& context) {
   Errors errors{{}, std::vector<std::vector<double>>(velocity_methods().size())};
   for (const std::string& file : options.frames) {
@@ -186,7 +186,7 @@ void judge(const Errors& body, const Errors& flow, Report& report) {
 }  // namespace
 
 Report experiment_motions(const ExperimentContext& context) {
-  const Options options = read_options(context, context.options.quick);
+  const MotionOptions options = motion_options(context, context.options.quick);
   const std::filesystem::path folder = context.file.parent_path();
   const Errors body = body_errors(options, folder), flow = flow_slips(options, folder, context);
   write_file(context.folder / "motions.csv", csv(body, flow));
@@ -201,7 +201,7 @@ Report experiment_motions(const ExperimentContext& context) {
       options.body_velocity.damping, options.body_velocity.speed_limit, options.frames.size(),
       options.flow_velocity.damping, options.flow_velocity.speed_limit);
   add_smaller(report, "frames of the flow", fmt::format("{}", options.frames.size()),
-              fmt::format("{}", read_options(context, false).frames.size()));
+              fmt::format("{}", motion_options(context, false).frames.size()));
   judge(body, flow, report);
   std::vector<Plot> plots{{"Frames of a real flow", "frame", "slip [1]", {}}};
   for (std::size_t m = 0; m < velocity_methods().size(); ++m) {

@@ -52,7 +52,7 @@ double couette_speed(const Scene& scene, double) {
   return scene.walls.front().motion.velocity(0).linear.norm();
 }
 
-struct Result {
+struct PlaneFlowResult {
   int layers;  ///< across the gap
   std::size_t particles;
   std::vector<Vec2> early, late;  ///< (eta, u) of the particles in the middle
@@ -79,13 +79,13 @@ Scene at_resolution(const Scene& scene, int layers, double gap) {
   return fine;
 }
 
-Result run_at(const Scene& coarse, const PlaneFlow& flow, int layers) {
+PlaneFlowResult run_plane_flow(const Scene& coarse, const PlaneFlow& flow, int layers) {
   const auto& slug = std::get<BoxShape>(coarse.blocks.front().shape);
   const double gap = slug.upper.y() - slug.lower.y(),
                viscous_time = gap * gap / coarse.fluid.kinematic_viscosity;
   const double speed = flow.speed(coarse, gap);
   FluidSolver liquid = make_liquid(at_resolution(coarse, layers, gap));
-  Result r{layers, liquid.size(), {}, {}, 0, 0};
+  PlaneFlowResult r{layers, liquid.size(), {}, {}, 0, 0};
   const auto error = [&](double tau, std::vector<Vec2>& points) {
     advance(liquid, tau * viscous_time);
     points = profile(liquid, slug, speed);
@@ -110,14 +110,15 @@ constexpr double kEarlyLimit = 0.05;
 // The slip at the wall and the implicit time step are of first order.
 constexpr double kLeastOrder = 0.9;
 
-Plot profile_plot(const std::string& title, const PlaneFlow& flow, const std::vector<Result>& results,
-                  double tau, std::vector<Vec2> Result::*points) {
+Plot profile_plot(const std::string& title, const PlaneFlow& flow,
+                  const std::vector<PlaneFlowResult>& results, double tau,
+                  std::vector<Vec2> PlaneFlowResult::*points) {
   Plot plot{title, "u", "y / gap", {}};
   Curve reference{"exact", {}};
   for (const Vec2& p : sampled([&](double eta) { return flow.velocity(eta, tau); }, 0, 1))
     reference.points.emplace_back(p.y(), p.x());
   plot.curves.push_back(std::move(reference));
-  for (const Result& r : results) {
+  for (const PlaneFlowResult& r : results) {
     std::vector<Vec2> sum(static_cast<std::size_t>(r.layers), Vec2::Zero());
     std::vector<double> count(sum.size(), 0);
     for (const Vec2& p : r.*points) {
@@ -133,10 +134,10 @@ Plot profile_plot(const std::string& title, const PlaneFlow& flow, const std::ve
   return plot;
 }
 
-void judge(const PlaneFlow& flow, const std::vector<Result>& results, Report& report) {
+void judge(const PlaneFlow& flow, const std::vector<PlaneFlowResult>& results, Report& report) {
   std::vector<Bounded> early, late;
   std::vector<Vec2> early_errors, late_errors;
-  for (const Result& r : results) {
+  for (const PlaneFlowResult& r : results) {
     const std::string at = fmt::format("{} layers", r.layers);
     early.push_back({at, r.early_error, kEarlyLimit});
     late.push_back({at, r.late_error, steady_limit(flow, r.layers)});
@@ -164,20 +165,20 @@ void judge(const PlaneFlow& flow, const std::vector<Result>& results, Report& re
 
 Report validate(const ExperimentContext& context, const PlaneFlow& flow) {
   const Scene scene = load_scene(context.file);
-  std::vector<Result> results;
+  std::vector<PlaneFlowResult> results;
   std::vector<std::vector<double>> rows, points;
   const std::vector<int> whole{6, 8, 12, 16}, chosen = context.options.quick ? std::vector{6, 8} : whole;
   for (const int layers : chosen) {
     context.say(fmt::format("{} layers", layers));
-    results.push_back(run_at(scene, flow, layers));
-    const Result& r = results.back();
+    results.push_back(run_plane_flow(scene, flow, layers));
+    const PlaneFlowResult& r = results.back();
     rows.push_back({static_cast<double>(r.layers), static_cast<double>(r.particles), r.early_error,
                     r.late_error, steady_limit(flow, r.layers)});
     for (const Vec2& p : r.late) points.push_back({static_cast<double>(r.layers), p.x(), p.y()});
   }
   draw_plots(context.folder, context.name,
-             std::vector{profile_plot("tau = 0.1", flow, results, kEarly, &Result::early),
-                         profile_plot("tau = 1", flow, results, kLate, &Result::late)});
+             std::vector{profile_plot("tau = 0.1", flow, results, kEarly, &PlaneFlowResult::early),
+                         profile_plot("tau = 1", flow, results, kLate, &PlaneFlowResult::late)});
   write_file(context.folder / "profiles.csv", csv_text("layers,eta,u", points));
   write_file(context.folder / "summary.csv",
              csv_text("layers,particles,early_error,late_error,late_limit", rows));
