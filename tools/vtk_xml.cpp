@@ -185,6 +185,15 @@ class Reader {
   std::size_t offset_ = 0;
 };
 
+// Deprecated since expat 2.8 in favour of functions that older ones do not have.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wdeprecated-declarations"
+std::string place_of(XML_Parser parser) {
+  return fmt::format("line {}, column {}", XML_GetCurrentLineNumber(parser),
+                     XML_GetCurrentColumnNumber(parser) + 1);
+}
+#pragma GCC diagnostic pop
+
 /// Feeds a reader with what expat finds. Exceptions must not cross expat, which is C.
 class Parser {
  public:
@@ -215,9 +224,8 @@ class Parser {
           XML_Parse(parser_.get(), chunk.data(), static_cast<int>(chunk.size()), last ? XML_TRUE : XML_FALSE);
       if (thrown_) std::rethrow_exception(thrown_);
       if (status == XML_STATUS_ERROR)
-        throw InvalidInput(fmt::format(
-            "is no XML from line {}, column {} on: {}", XML_GetCurrentLineNumber(parser_.get()),
-            XML_GetCurrentColumnNumber(parser_.get()) + 1, XML_ErrorString(XML_GetErrorCode(parser_.get()))));
+        throw InvalidInput(fmt::format("is no XML from {} on: {}", place_of(parser_.get()),
+                                       XML_ErrorString(XML_GetErrorCode(parser_.get()))));
     }
   }
 
