@@ -105,8 +105,8 @@ std::vector<const RigidCase*> select(const std::vector<RigidCase>& cases,
   return selected;
 }
 
-const RigidCase& find_case(const std::vector<RigidCase>& cases, const std::string& body,
-                           const std::string& method, TimeIntegrator integrator, int fairing_iterations) {
+const RigidCase& find_case(const std::vector<RigidCase>& cases, std::string_view body,
+                           std::string_view method, TimeIntegrator integrator, int fairing_iterations) {
   const auto found = std::ranges::find_if(cases, [&](const RigidCase& c) {
     return c.body->name == body && c.method == method && c.integrator == integrator &&
            c.fairing_iterations == fairing_iterations;

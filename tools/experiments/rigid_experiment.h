@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "surface/field/rigid_particles.h"
@@ -85,8 +86,8 @@ void draw_rigid_meshes(const RigidExperiment& experiment, const std::vector<cons
 std::vector<const RigidCase*> select(const std::vector<RigidCase>& cases,
                                      const std::function<bool(const RigidCase&)>& keep);
 /// The only such case. Throws InvalidInput where the experiment has none.
-const RigidCase& find_case(const std::vector<RigidCase>& cases, const std::string& body,
-                           const std::string& method, TimeIntegrator integrator, int fairing_iterations);
+const RigidCase& find_case(const std::vector<RigidCase>& cases, std::string_view body,
+                           std::string_view method, TimeIntegrator integrator, int fairing_iterations);
 
 /// What all of these experiments have in common, for the chapter's introduction.
 std::string rigid_setting(const RigidExperiment& experiment);
