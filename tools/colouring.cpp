@@ -122,6 +122,7 @@ ValueRange value_range(vtkPolyData& surface, const std::string& name) {
     const auto vertex = static_cast<vtkIdType>(v);
     values[v] = array.GetNumberOfComponents() == 1 ? array.GetComponent(vertex, 0) : length_at(array, vertex);
   }
+  std::erase_if(values, [](double value) { return !std::isfinite(value); });
   if (values.empty()) return {0, 0};
   const double left_out = has_names(array) ? 0 : kLeftOut;
   return {quantile(values, left_out), quantile(values, 1 - left_out)};

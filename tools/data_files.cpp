@@ -1,10 +1,10 @@
 #include "tools/data_files.h"
 
+#include <fmt/format.h>
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
 #include <vtkCommand.h>
 #include <vtkDoubleArray.h>
-#include <vtkExecutive.h>
 #include <vtkFieldData.h>
 #include <vtkFloatArray.h>
 #include <vtkIntArray.h>
@@ -12,13 +12,16 @@
 #include <vtkPoints.h>
 #include <vtkTypeInt64Array.h>
 #include <vtkUnsignedCharArray.h>
-#include <vtkXMLPolyDataReader.h>
 #include <vtkXMLPolyDataWriter.h>
 
 #include <algorithm>
+#include <limits>
+#include <type_traits>
 
 #include "core/errors.h"
+#include "core/text_scanner.h"
 #include "tools/files.h"
+#include "tools/vtk_xml.h"
 
 namespace kappaflow {
 namespace {
@@ -81,6 +84,35 @@ class ErrorListener final : public vtkCommand {
   void Execute(vtkObject*, unsigned long, void*) override { failed = true; }
   bool failed = false;
 };
+
+template <class Array>
+vtkSmartPointer<Array> array_as(const PointArray& array) {
+  using Number = typename Array::ValueType;
+  using Limits = std::numeric_limits<Number>;
+  constexpr std::size_t kMostComponents = 9;  // of a tensor
+  if (array.components < 1 || array.components > kMostComponents)
+    throw InvalidInput(fmt::format("array \"{}\" has {} components; expected 1 to {}",
+                                   one_line(array.name, 30), array.components, kMostComponents));
+  if constexpr (std::is_integral_v<Number>)
+    for (const double value : array.values)
+      if (!(value >= Limits::min() && value <= Limits::max()))
+        throw InvalidInput(fmt::format("array \"{}\" has the number {}", one_line(array.name, 30), value));
+  return make_array<Array>(array.name.c_str(), static_cast<int>(array.components),
+                           array.values.size() / array.components,
+                           [&](std::size_t i) { return array.values.data() + array.components * i; });
+}
+
+/// Int32 and UInt8 stay what they are: whole numbers may be names, and bytes colours.
+vtkSmartPointer<vtkDataArray> array_to_draw(const PointArray& array) {
+  if (array.type == NumberType::int32) return array_as<vtkIntArray>(array);
+  if (array.type == NumberType::uint8) return array_as<vtkUnsignedCharArray>(array);
+  return array_as<vtkDoubleArray>(array);
+}
+
+void check_finite_points(const PointData& data) {
+  for (std::size_t v = 0; v < data.position.size(); ++v)
+    if (!data.position[v].allFinite()) throw InvalidInput(fmt::format("vertex {} is nowhere", v));
+}
 
 }  // namespace
 
@@ -162,20 +194,23 @@ void write_vtp(const std::filesystem::path& path, vtkPolyData& data) {
   write_file(path, writer->GetOutputString());
 }
 
-vtkSmartPointer<vtkPolyData> read_vtp(const std::filesystem::path& path) {
-  const std::string text = read_file(path);
-  auto reader = vtkSmartPointer<vtkXMLPolyDataReader>::New();
-  auto errors = vtkSmartPointer<ErrorListener>::New();
-  reader->AddObserver(vtkCommand::ErrorEvent, errors);
-  reader->GetExecutive()->AddObserver(vtkCommand::ErrorEvent, errors);
-  reader->SetReaderErrorObserver(errors);
-  reader->SetParserErrorObserver(errors);
-  reader->ReadFromInputStringOn();
-  reader->SetInputString(text);
-  reader->Update();
-  if (errors->failed || reader->GetErrorCode() != 0)
-    throw IoError(path.string(), "is not a VTK PolyData file (.vtp)");
-  return reader->GetOutput();
+vtkSmartPointer<vtkPolyData> read_surface(const std::filesystem::path& path) {
+  const std::string bytes = read_file(path);
+  try {
+    const VtkSurface surface = parse_vtk_surface(bytes);
+    check_finite_points(surface.points);
+    auto data = vtkSmartPointer<vtkPolyData>::New();
+    data->SetPoints(make_points(surface.points.position));
+    data->SetPolys(make_triangles(surface.triangles));
+    for (const PointArray& array : surface.points.arrays)
+      data->GetPointData()->AddArray(array_to_draw(array));
+    data->GetPointData()->SetActiveNormals("Normals");
+    for (const PointArray& array : surface.points.fields)
+      data->GetFieldData()->AddArray(array_to_draw(array));
+    return data;
+  } catch (const InvalidInput& error) {
+    throw IoError(path.string(), fmt::format("is damaged or not complete ({})", error.what()));
+  }
 }
 
 }  // namespace kappaflow

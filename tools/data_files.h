@@ -50,7 +50,8 @@ vtkSmartPointer<vtkPolyData> boundary_data(std::span<const TriangleSurface> wall
 /// IoError.
 void write_vtp(const std::filesystem::path& path, vtkPolyData& data);
 
-/// Throws IoError.
-vtkSmartPointer<vtkPolyData> read_vtp(const std::filesystem::path& path);
+/// The triangles of a surface or of walls, with the arrays of its points and its field arrays. Throws
+/// IoError, whatever is wrong with the file.
+vtkSmartPointer<vtkPolyData> read_surface(const std::filesystem::path& path);
 
 }  // namespace kappaflow

@@ -9,6 +9,8 @@
 #include <cstring>
 #include <fstream>
 #include <memory>
+#include <mutex>
+#include <set>
 #include <sstream>
 #include <system_error>
 
@@ -53,17 +55,36 @@ int flush(const fs::path& path) {
 
 /// flushed: before the file gets its name.
 void replace_file(const fs::path& path, std::string_view content, bool flushed) {
-  const fs::path temporary = path.string() + ".tmp";
-  int reason = write_all(temporary, "wb", content);
-  if (reason == 0 && flushed) reason = flush(temporary);
-  if (reason == 0 && std::rename(temporary.c_str(), path.c_str()) != 0) reason = errno;
-  if (reason == 0) return;
-  std::error_code ignored;  // the first failure is the one to report
-  fs::remove(temporary, ignored);
-  fail_to_write(path, "written", content.size(), reason);
+  const UnfinishedFile temporary(path.string() + ".tmp");
+  int reason = write_all(temporary.path(), "wb", content);
+  if (reason == 0 && flushed) reason = flush(temporary.path());
+  if (reason == 0 && std::rename(temporary.path().c_str(), path.c_str()) != 0) reason = errno;
+  if (reason != 0) fail_to_write(path, "written", content.size(), reason);
 }
 
+std::mutex unfinished_guard;
+std::set<fs::path> unfinished;
+
 }  // namespace
+
+UnfinishedFile::UnfinishedFile(fs::path path) : path_(std::move(path)) {
+  const std::lock_guard lock(unfinished_guard);
+  unfinished.insert(path_);
+}
+
+// Where it was renamed there is nothing to remove.
+UnfinishedFile::~UnfinishedFile() {
+  std::error_code ignored;  // whoever wrote it reports the first failure
+  fs::remove(path_, ignored);
+  const std::lock_guard lock(unfinished_guard);
+  unfinished.erase(path_);
+}
+
+void remove_unfinished_files() {
+  unfinished_guard.lock();  // for good
+  std::error_code ignored;
+  for (const fs::path& path : unfinished) fs::remove(path, ignored);
+}
 
 void write_file(const fs::path& path, std::string_view content) {
   replace_file(path, content, false);

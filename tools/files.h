@@ -18,6 +18,23 @@ void write_file_durably(const std::filesystem::path& path, std::string_view cont
 /// Returns when what was written into the file, or the names in the folder, are on the disk. Throws IoError.
 void flush_to_disk(const std::filesystem::path& path);
 
+/// A file that is not to stay under this name: it is renamed, or goes when the program ends.
+class UnfinishedFile {
+ public:
+  explicit UnfinishedFile(std::filesystem::path path);
+  ~UnfinishedFile();
+  UnfinishedFile(const UnfinishedFile&) = delete;
+  UnfinishedFile& operator=(const UnfinishedFile&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// Removes them all. For a thread that ends the program: no other can begin a file after that.
+void remove_unfinished_files();
+
 /// Appends whole lines and flushes; a failed append leaves the file as it was. Throws IoError.
 void append_lines(const std::filesystem::path& path, std::string_view lines);
 

@@ -5,6 +5,11 @@
 
 namespace kappaflow {
 
+/// Where the pictures of a film are: in the folder of its name without the ending, or where that holds other
+/// files or is a run's, in the one that has "frames-" before it. Throws InvalidInput where that one holds
+/// others too, IoError where it cannot be looked at.
+std::filesystem::path pictures_folder(const std::filesystem::path& film);
+
 /// The picture of a frame in the folder of a film's pictures.
 std::filesystem::path film_picture(const std::filesystem::path& folder, int frame);
 

@@ -1,6 +1,8 @@
 #include "tools/interrupt.h"
 
 #include <csignal>
+#include <cstdlib>
+#include <thread>
 
 namespace kappaflow {
 namespace {
@@ -28,6 +30,22 @@ InterruptGuard::~InterruptGuard() {
 
 int InterruptGuard::signal() const {
   return signal_that_came;
+}
+
+void end_at_once_on_signals(void (*clean_up)()) {
+  std::signal(SIGINT, SIG_DFL);  // one that is ignored does not come to sigwait() either
+  std::signal(SIGTERM, SIG_DFL);
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  std::thread([signals, clean_up] {
+    int signal = 0;
+    sigwait(&signals, &signal);
+    clean_up();
+    std::_Exit(exit_code_after(signal));
+  }).detach();
 }
 
 }  // namespace kappaflow

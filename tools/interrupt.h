@@ -25,4 +25,9 @@ class InterruptGuard {
   void (*previous_term_)(int);
 };
 
+/// From now on SIGINT and SIGTERM end the program at once, after `clean_up`, which another thread calls; no
+/// InterruptGuard hears of them. To be called by the first thread while it is the only one: threads that come
+/// later leave the signals to that other one, as it does.
+void end_at_once_on_signals(void (*clean_up)());
+
 }  // namespace kappaflow

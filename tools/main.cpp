@@ -65,7 +65,7 @@ std::string one_line(std::string text) {
   return text;
 }
 
-int execute(const CLI::App& app, CommandLine& line, char** argv) {
+int execute(const CLI::App& app, CommandLine& line) {
   if (app.got_subcommand("run")) {
     reject_repeated("--track", line.run.methods);
     line.run.threads = line.threads;
@@ -85,11 +85,11 @@ int execute(const CLI::App& app, CommandLine& line, char** argv) {
   if (app.got_subcommand("probe")) fmt::print("{}", probe(line.probe));
   if (app.got_subcommand("compare")) fmt::print("{}", compare(line.compare));
   if (app.got_subcommand("render")) {
-    ensure_display(argv);
+    const VirtualDisplay display;
     return render(line.render);
   }
   if (app.got_subcommand("experiment")) {
-    ensure_display(argv);
+    const VirtualDisplay display;
     line.experiment.threads = line.threads;
     run_experiments(line.experiment);
   }
@@ -97,11 +97,11 @@ int execute(const CLI::App& app, CommandLine& line, char** argv) {
 }
 
 /// Also with more threads than there are cores.
-int execute_with_threads(const CLI::App& app, CommandLine& line, char** argv) {
+int execute_with_threads(const CLI::App& app, CommandLine& line) {
   if (line.threads == 0) line.threads = tbb::this_task_arena::max_concurrency();
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   static_cast<std::size_t>(line.threads));
-  return tbb::task_arena(line.threads).execute([&] { return execute(app, line, argv); });
+  return tbb::task_arena(line.threads).execute([&] { return execute(app, line); });
 }
 
 int refuse(const CLI::App& app, const std::string& what) {
@@ -138,7 +138,7 @@ int parse_and_execute(int argc, char** argv) {
     const std::string what = misunderstood(app);
     return refuse(app, what.empty() ? one_line(error.what()) : what);
   }
-  return execute_with_threads(app, line, argv);
+  return execute_with_threads(app, line);
 }
 
 }  // namespace

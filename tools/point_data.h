@@ -12,10 +12,13 @@
 
 namespace kappaflow {
 
+enum class NumberType { bit, int8, uint8, int16, uint16, int32, uint32, int64, uint64, float32, float64 };
+
 struct PointArray {
   std::string name;
   std::size_t components = 1;
-  std::vector<double> values;  ///< components numbers a tuple; whole ones are exact below 2^53
+  std::vector<double> values;             ///< components numbers a tuple; whole ones are exact below 2^53
+  NumberType type = NumberType::float64;  ///< in the file, where its reader says so
 };
 
 struct PointData {
@@ -31,8 +34,6 @@ struct PointData {
 /// none.
 const PointArray* find_array(const std::vector<PointArray>& arrays,
                              std::initializer_list<std::string_view> names, std::size_t components);
-
-enum class NumberType { bit, int8, uint8, int16, uint16, int32, uint32, int64, uint64, float32, float64 };
 
 /// How many bytes `count` numbers take. Bits are packed.
 std::size_t bytes_of(NumberType type, std::size_t count);

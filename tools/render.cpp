@@ -9,6 +9,7 @@
 #include <vtk_jsoncpp.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <string_view>
 
@@ -17,7 +18,6 @@
 #include "tools/data_files.h"
 #include "tools/files.h"
 #include "tools/film.h"
-#include "tools/interrupt.h"
 #include "tools/picture.h"
 #include "tools/progress.h"
 #include "tools/run_folder.h"
@@ -83,7 +83,7 @@ class Drawing {
         methods_, [&](const auto& m) { return fs::exists(options_.folder / surface_file(m, frame)); });
   }
   vtkSmartPointer<vtkPolyData> surface(const std::string& method, int frame) const {
-    return read_vtp(options_.folder / surface_file(method, frame));
+    return read_surface(options_.folder / surface_file(method, frame));
   }
   vtkSmartPointer<vtkPolyData> walls(int frame) const;
   vtkSmartPointer<vtkPolyData> subject() const;
@@ -100,7 +100,7 @@ class Drawing {
 vtkSmartPointer<vtkPolyData> Drawing::walls(int frame) const {
   const fs::path moving = options_.folder / boundary_file(frame);
   const fs::path file = fs::exists(moving) ? moving : options_.folder / kBoundaryFile;
-  return fs::exists(file) ? read_vtp(file) : nullptr;
+  return fs::exists(file) ? read_surface(file) : nullptr;
 }
 
 /// What fills the picture, the same in every frame: walls and first surface in the first and the last frame.
@@ -152,7 +152,8 @@ void Drawing::choose_colours(int first, int last) {
 
 double time_of(vtkPolyData& surface) {
   vtkDataArray* const time = surface.GetFieldData()->GetArray("TimeValue");
-  return time != nullptr ? time->GetTuple1(0) : 0;
+  const double value = time != nullptr && time->GetNumberOfValues() > 0 ? time->GetComponent(0, 0) : 0;
+  return std::isfinite(value) ? value : 0;
 }
 
 double Drawing::draw(const fs::path& file, int frame) const {
@@ -195,17 +196,15 @@ void remove_pictures_from(const fs::path& folder, int frame) {
 
 int draw_all(const RenderOptions& options, const fs::path& film, Drawing& drawing) {
   if (options.frame) throw InvalidInput("--frame is of pictures, whose names end in .png");
-  const InterruptGuard guard;
-  const fs::path pictures = fs::path(film).replace_extension();
+  const fs::path pictures = pictures_folder(film);
   make_folder(pictures);
   drawing.choose_colours(0, drawing.frames() - 1);
   std::vector<double> times;
-  for (int frame = 0; frame < drawing.frames() && !guard.interrupted(); ++frame) {
+  for (int frame = 0; frame < drawing.frames(); ++frame) {
     draw_status_line(fmt::format("frame {}/{}", frame, drawing.frames() - 1));
     times.push_back(drawing.draw(film_picture(pictures, frame), frame));
   }
   draw_status_line("");
-  if (guard.interrupted()) return exit_code_after(guard.signal());
   remove_pictures_from(pictures, drawing.frames());
   const double rate = options.frames_per_second.value_or(real_time_rate(times));
   make_film(film, pictures, drawing.frames(), rate);

@@ -24,9 +24,8 @@ struct RenderOptions {
 };
 
 /// Draws one panel a method, each from the same view, which is the same for all frames of a run. The pictures
-/// of a film stay in a folder beside it that has its name without the ending. Returns the program's exit
-/// code. Throws InvalidInput (no such frame, method or array), IoError (not a run folder, no display, file
-/// not writable, no ffmpeg).
+/// of a film stay in pictures_folder(). Returns the program's exit code. Throws InvalidInput (no such frame,
+/// method or array), IoError (not a run folder, no display, file not writable, no ffmpeg).
 int render(const RenderOptions& options);
 
 }  // namespace kappaflow

@@ -28,9 +28,12 @@ bool is_surface_name(const std::string& name) {
   return name.starts_with("surface-");
 }
 
+bool is_data_name(const std::string& name) {
+  return name == "particles" || name == "boundary" || is_surface_name(name);
+}
+
 bool is_data_folder(const fs::directory_entry& entry) {
-  const std::string name = entry.path().filename().string();
-  return entry.is_directory() && (name == "particles" || name == "boundary" || is_surface_name(name));
+  return entry.is_directory() && is_data_name(entry.path().filename().string());
 }
 
 bool is_run_file(const fs::directory_entry& entry) {
@@ -91,6 +94,10 @@ fs::path made_folder(fs::path folder) {
 }
 
 }  // namespace
+
+bool is_run_folder(const fs::path& folder) {
+  return is_data_name(folder.filename().string()) && fs::exists(folder.parent_path() / kRecordFile);
+}
 
 std::string particle_file(int frame) {
   return fmt::format("particles/particles_{:04}.vtp", frame);

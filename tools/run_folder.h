@@ -80,6 +80,9 @@ class RunFolder {
   std::set<std::filesystem::path> written_;  // since the last flush
 };
 
+/// Whether it is one of the folders inside of a run folder, there or to come.
+bool is_run_folder(const std::filesystem::path& folder);
+
 /// The file of a frame relative to the run folder.
 std::string particle_file(int frame);
 std::string surface_file(const std::string& method, int frame);

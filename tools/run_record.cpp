@@ -7,6 +7,7 @@
 #include <vtk_jsoncpp.h>
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <memory>
 #include <sstream>
 #include <variant>
@@ -79,6 +80,19 @@ std::string record_text(const Json::Value& record) {
   return Json::writeString(writer, record) + "\n";
 }
 
+bool is_vector(const Json::Value& array) {
+  return array.isArray() && array.size() == 3 &&
+         std::ranges::all_of(array, [](const Json::Value& number) { return number.isNumeric(); });
+}
+
+/// As far as pictures need it.
+bool is_record(const Json::Value& record) {
+  if (!record.isObject() || !record["methods"].isArray()) return false;
+  const Json::Value& view = record["view"];
+  return std::ranges::all_of(record["methods"], [](const Json::Value& name) { return name.isString(); }) &&
+         (view.isNull() || (view.isObject() && is_vector(view["from"]) && is_vector(view["up"])));
+}
+
 }  // namespace
 
 std::string text_hash(std::string_view text) {
@@ -145,8 +159,7 @@ Json::Value read_record(const std::filesystem::path& folder) {
   Json::Value record;
   std::string errors;
   const std::unique_ptr<Json::CharReader> reader(Json::CharReaderBuilder().newCharReader());
-  if (!reader->parse(text.data(), text.data() + text.size(), &record, &errors) || !record.isObject() ||
-      !record["methods"].isArray())
+  if (!reader->parse(text.data(), text.data() + text.size(), &record, &errors) || !is_record(record))
     throw IoError(file.string(), "is not the record of a run");
   return record;
 }

@@ -3,9 +3,17 @@
 
 namespace kappaflow {
 
-/// Makes sure of a display for the rest of the program: where there is none, starts this very command line
-/// anew under xvfb-run (a virtual X server), in the same process, and does not return. Throws IoError where
-/// that fails, e.g. when xvfb-run is not installed.
-void ensure_display(char** argv);
+/// A display for as long as it lives: the one that DISPLAY names, or where that cannot be reached an X server
+/// without a screen (Xvfb), which ends with the program, however that ends. From its making on SIGINT and
+/// SIGTERM end the program at once (end_at_once_on_signals()).
+class VirtualDisplay {
+ public:
+  /// To be made by the program's first thread while it is the only one. Throws IoError where there is no
+  /// display and none can be made, e.g. when Xvfb is not installed.
+  VirtualDisplay();
+  ~VirtualDisplay();
+  VirtualDisplay(const VirtualDisplay&) = delete;
+  VirtualDisplay& operator=(const VirtualDisplay&) = delete;
+};
 
 }  // namespace kappaflow

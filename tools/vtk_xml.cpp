@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <exception>
 #include <memory>
 #include <new>
@@ -72,7 +73,8 @@ struct AppendedData {
 /// Hears of each element of the file in turn.
 class Reader {
  public:
-  Reader(std::string_view kind, AppendedData appended) : kind_(kind), appended_(appended) {}
+  Reader(std::string_view kind, AppendedData appended, bool with_triangles)
+      : kind_(kind), appended_(appended), with_triangles_(with_triangles) {}
 
   void begin(std::string_view element, Attributes attributes) {
     if (element == "VTKFile") begin_file(attributes);
@@ -89,12 +91,12 @@ class Reader {
     if (element == "Piece") end_piece();
   }
 
-  PointData result() {
+  VtkSurface result() {
     if (!is_vtk_) throw InvalidInput("does not begin with an element VTKFile");
     if (!open_.empty() && open_ != std::vector<std::string>{"VTKFile"})
       throw InvalidInput(fmt::format("ends in an element {}", one_line(open_.back(), 30)));
     data_.check_sizes();
-    return std::move(data_);
+    return {std::move(data_), std::move(triangles_)};
   }
 
  private:
@@ -120,11 +122,13 @@ class Reader {
     if (owner == "PointData") owner_ = &piece_.arrays;
     if (owner == "Points") owner_ = &coordinates_;
     if (owner == "FieldData") owner_ = &data_.fields;
+    if (owner == "Polys" && with_triangles_) owner_ = &polygons_;
     if (const std::string_view type = attribute(attributes, "type"); type == "String" || type == "Bit")
       owner_ = nullptr;  // nothing that particles need
     if (owner_ == nullptr) return;
-    array_ = {std::string(attribute(attributes, "Name")), count_in(attributes, "NumberOfComponents", 1), {}};
     type_ = type_in(attributes);
+    array_ = {
+        std::string(attribute(attributes, "Name")), count_in(attributes, "NumberOfComponents", 1), {}, type_};
     format_ = attribute(attributes, "format");
     offset_ = format_ == "appended" ? count_in(attributes, "offset") : 0;
   }
@@ -153,7 +157,33 @@ class Reader {
     for (std::size_t i = 0; i < x.size(); i += 3) piece_.position.emplace_back(x[i], x[i + 1], x[i + 2]);
     coordinates_.clear();
     piece_.check_sizes();
+    if (with_triangles_) append_triangles();
     append_piece();
+  }
+
+  void append_triangles() {
+    const PointArray *corners = find_array(polygons_, {"connectivity"}, 1),
+                     *ends = find_array(polygons_, {"offsets"}, 1);
+    if (corners == nullptr || ends == nullptr)
+      throw InvalidInput("has no arrays connectivity and offsets in Polys");
+    for (std::size_t t = 0; t < ends->values.size(); ++t)
+      if (ends->values[t] != 3.0 * static_cast<double>(t + 1))
+        throw InvalidInput(fmt::format("polygon {} is no triangle", t));
+    if (corners->values.size() != 3 * ends->values.size())
+      throw InvalidInput(
+          fmt::format("has {} corners for {} triangles", corners->values.size(), ends->values.size()));
+    const std::size_t first = data_.position.size();
+    for (std::size_t c = 0; c < corners->values.size(); c += 3)
+      triangles_.push_back({corner(corners->values[c], first), corner(corners->values[c + 1], first),
+                            corner(corners->values[c + 2], first)});
+    polygons_.clear();
+  }
+
+  /// first: number of the piece's first point.
+  int corner(double number, std::size_t first) const {
+    if (!(number >= 0 && number < static_cast<double>(points_)) || number != std::floor(number))
+      throw InvalidInput(fmt::format("has a triangle with the corner {} of {} points", number, points_));
+    return static_cast<int>(first) + static_cast<int>(number);
   }
 
   /// An array that some of the pieces lack comes out too short.
@@ -172,12 +202,13 @@ class Reader {
 
   std::string_view kind_;
   AppendedData appended_;
-  bool is_vtk_ = false;
+  bool with_triangles_, is_vtk_ = false;
   DataEncoding encoding_;
   std::vector<std::string> open_;  // the elements that have begun and not ended
   PointData data_, piece_;
-  std::size_t points_ = 0;  // of the piece
-  std::vector<PointArray> coordinates_;
+  std::size_t points_ = 0;                          // of the piece
+  std::vector<PointArray> coordinates_, polygons_;  // likewise
+  std::vector<Triangle> triangles_;
   std::vector<PointArray>* owner_ = nullptr;  // where the array goes that is being read
   PointArray array_;
   NumberType type_ = NumberType::float64;
@@ -249,9 +280,7 @@ class Parser {
   std::exception_ptr thrown_;
 };
 
-}  // namespace
-
-PointData parse_vtk_xml(std::string_view bytes, std::string_view kind) {
+VtkSurface parse(std::string_view bytes, std::string_view kind, bool with_triangles) {
   const std::size_t head = std::min(bytes.find("<AppendedData"), bytes.size());
   const std::string_view tail = bytes.substr(head);
   AppendedData appended;
@@ -260,9 +289,19 @@ PointData parse_vtk_xml(std::string_view bytes, std::string_view kind) {
     const std::size_t mark = tail.find('_', start);  // the data begin after it
     if (mark != std::string_view::npos) appended.bytes = tail.substr(mark + 1);
   }
-  Reader reader(kind, appended);
+  Reader reader(kind, appended, with_triangles);
   Parser(reader).parse(bytes.substr(0, head), tail.empty());
   return reader.result();
+}
+
+}  // namespace
+
+PointData parse_vtk_xml(std::string_view bytes, std::string_view kind) {
+  return parse(bytes, kind, false).points;
+}
+
+VtkSurface parse_vtk_surface(std::string_view bytes) {
+  return parse(bytes, "PolyData", true);
 }
 
 }  // namespace kappaflow

@@ -1,7 +1,8 @@
-// Points in VTK XML files.
+// Points and surfaces in VTK XML files.
 #pragma once
 
 #include <string_view>
+#include <vector>
 
 #include "tools/point_data.h"
 
@@ -13,5 +14,13 @@ namespace kappaflow {
 /// Trusts nothing in the file, and throws InvalidInput that says what is wrong. Written here because
 /// VTK 9.1's readers crash on damaged files, and ask for as much memory as they claim to need.
 PointData parse_vtk_xml(std::string_view bytes, std::string_view kind);
+
+struct VtkSurface {
+  PointData points;
+  std::vector<Triangle> triangles;
+};
+
+/// The same of a PolyData file with its polygons, which must be triangles of points that there are.
+VtkSurface parse_vtk_surface(std::string_view bytes);
 
 }  // namespace kappaflow

@@ -1,4 +1,6 @@
-// Particles in VTK XML files, of other programs and our own.
+// Particles and surfaces in VTK XML files, of other programs and our own.
+#include "tools/vtk_xml.h"
+
 #include "tests/fuzz/reader_fuzzer.h"
 #include "tools/input_frame.h"
 #include "tools/particle_file.h"
@@ -10,5 +12,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::filesystem::path file = input_file(grid ? "particles.vtu" : "particles.vtp", bytes);
   value_or_error([&] { read_input_frame(file); });
   if (!grid) value_or_error([&] { read_particle_file(file); });
+  value_or_error([&] { parse_vtk_surface(bytes); });
   return 0;
 }

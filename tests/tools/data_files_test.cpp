@@ -1,5 +1,6 @@
 #include "tools/data_files.h"
 
+#include <fmt/format.h>
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
 #include <vtkDataArray.h>
@@ -9,6 +10,7 @@
 
 #include "core/errors.h"
 #include "tests/tools/scratch.h"
+#include "tests/tools/vtk_reader.h"
 #include "tools/files.h"
 
 namespace kappaflow {
@@ -150,14 +152,91 @@ TEST_F(DataFiles, BoundaryJoinsTheWalls) {
   EXPECT_EQ(data->GetCellData()->GetArray("wall")->GetTuple1(1), 1);
 }
 
+TEST_F(DataFiles, SurfacesAreReadToBeDrawn) {
+  const Square square;
+  write_vtp(folder / "a.vtp", *square.data());
+  const auto data = read_surface(folder / "a.vtp");
+  ASSERT_EQ(data->GetNumberOfPoints(), 4);
+  ASSERT_EQ(data->GetNumberOfPolys(), 2);
+  vtkIdType corners = 0;
+  const vtkIdType* corner = nullptr;
+  data->GetPolys()->GetCellAtId(1, corners, corner);
+  EXPECT_EQ((std::vector<vtkIdType>(corner, corner + corners)), (std::vector<vtkIdType>{0, 2, 3}));
+  vtkPointData& arrays = *data->GetPointData();
+  EXPECT_EQ(arrays.GetNumberOfArrays(), 12);
+  expect_array(arrays, "checker", VTK_UNSIGNED_CHAR, 3);
+  expect_array(arrays, "source", VTK_INT, 1);
+  EXPECT_EQ(arrays.GetNormals(), arrays.GetArray("Normals")) << "active";
+  expect_time(*data, 0.16);
+  for (vtkIdType v = 0; v < 4; ++v) {
+    EXPECT_EQ(Vec3(data->GetPoint(v)), square.mesh.position[v]);
+    EXPECT_EQ(Vec3(arrays.GetArray("velocity")->GetTuple3(v)), square.state.motion.velocity[v]);
+    EXPECT_EQ(arrays.GetArray("checker")->GetComponent(v, 0), static_cast<double>(v));
+    EXPECT_EQ(arrays.GetArray("source")->GetTuple1(v), square.mesh.source[v]);
+  }
+}
+
 TEST_F(DataFiles, RubbishIsAnIoErrorAndPrintsNothing) {
   const auto rubbish = file("a.vtp", "not XML at all");
   const auto cut =
       file("b.vtp", "<?xml version=\"1.0\"?><VTKFile type=\"PolyData\" version=\"0.1\"><PolyData>");
   testing::internal::CaptureStderr();
-  EXPECT_THROW(read_vtp(rubbish), IoError);
-  EXPECT_THROW(read_vtp(cut), IoError);
-  EXPECT_THROW(read_vtp(folder / "none.vtp"), IoError);
+  EXPECT_THROW(read_surface(rubbish), IoError);
+  EXPECT_THROW(read_surface(cut), IoError);
+  EXPECT_THROW(read_surface(folder / "none.vtp"), IoError);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+/// A square of two triangles as text, with these corners, offsets and first coordinate.
+std::string square_text(const std::string& corners, const std::string& offsets, const std::string& x = "0") {
+  return fmt::format(
+      R"(<VTKFile type="PolyData"><PolyData><Piece NumberOfPoints="4" NumberOfPolys="2">
+<Points><DataArray type="Float64" NumberOfComponents="3" format="ascii">{} 0 0 1 0 0 1 1 0 0 1 0</DataArray></Points>
+<Polys><DataArray type="Int64" Name="connectivity" format="ascii">{}</DataArray>
+<DataArray type="Int64" Name="offsets" format="ascii">{}</DataArray></Polys></Piece></PolyData></VTKFile>)",
+      x, corners, offsets);
+}
+
+TEST_F(DataFiles, SurfacesThatCannotBeDrawnAreOneLine) {
+  const auto message = [&](const std::string& text) {
+    const auto path = file("a.vtp", text);
+    return message_of<IoError>([&] { read_surface(path); }).substr(path.string().size());
+  };
+  const std::string begin = ": is damaged or not complete (", end = ")";
+  EXPECT_EQ(read_surface(file("a.vtp", square_text("0 1 2 0 2 3", "3 6")))->GetNumberOfPolys(), 2);
+  EXPECT_EQ(message(square_text("0 1 2 0 2 4", "3 6")),
+            begin + "has a triangle with the corner 4 of 4 points" + end);
+  EXPECT_EQ(message(square_text("0 1 2 0 2 -1", "3 6")),
+            begin + "has a triangle with the corner -1 of 4 points" + end);
+  EXPECT_EQ(message(square_text("0 1 2 0 2 nan", "3 6")),
+            begin + "has a triangle with the corner nan of 4 points" + end);
+  EXPECT_EQ(message(square_text("0 1 2 3", "4")), begin + "polygon 0 is no triangle" + end);
+  EXPECT_EQ(message(square_text("0 1 2 0 2", "3 6")), begin + "has 5 corners for 2 triangles" + end);
+  EXPECT_EQ(message(square_text("0 1 2 0 2 3", "3 6", "inf")), begin + "vertex 0 is nowhere" + end);
+}
+
+// Each byte in turn is wrong, or the file ends there: an error, or a surface that can be drawn.
+TEST_F(DataFiles, DamagedSurfacesAreErrorsOrSurfaces) {
+  write_vtp(folder / "a.vtp", *Square().data());
+  const std::string whole = bytes_of(folder / "a.vtp");
+  testing::internal::CaptureStderr();
+  int refused = 0;
+  for (std::size_t byte = 0; byte < whole.size(); ++byte) {
+    std::string damaged = whole;
+    damaged[byte] = static_cast<char>(damaged[byte] ^ 4);
+    try {
+      const auto data = read_surface(file("b.vtp", damaged));
+      EXPECT_LE(data->GetPolys()->GetMaxCellSize(), 3);
+      double bounds[6];
+      data->GetBounds(bounds);
+    } catch (const IoError&) {
+      ++refused;
+    }
+    if (byte + 10 < whole.size()) {  // what closes the last element
+      EXPECT_THROW(read_surface(file("b.vtp", whole.substr(0, byte))), IoError) << byte;
+    }
+  }
+  EXPECT_GT(refused, static_cast<int>(whole.size()) / 2);
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 

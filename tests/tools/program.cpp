@@ -48,8 +48,10 @@ void wait_for(pid_t child, const Stop& stop, ProgramResult& result) {
     ended = wait4(child, &status, WNOHANG, &usage) != 0;
   }
   if (!ended) {
+    const Stopwatch since_signal;
     if (stop.signal != 0) kill(child, stop.signal);
     wait4(child, &status, 0, &usage);
+    result.seconds_to_end = since_signal.seconds();
   }
   result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   result.peak_memory = static_cast<std::size_t>(usage.ru_maxrss) * 1024;

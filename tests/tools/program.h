@@ -11,6 +11,7 @@ struct ProgramResult {
   int exit_code = -1;  ///< 128 + the signal when one ended it
   std::string out, err;
   std::size_t peak_memory = 0;  ///< [bytes]
+  double seconds_to_end = 0;    ///< since it got the signal
 };
 
 /// A signal that the program gets once a file exists, or after a time.

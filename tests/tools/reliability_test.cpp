@@ -15,7 +15,7 @@
 #include "tests/tools/program.h"
 #include "tests/tools/scratch.h"
 #include "tests/tools/text_table.h"
-#include "tools/data_files.h"
+#include "tests/tools/vtk_reader.h"
 
 namespace kappaflow {
 namespace {

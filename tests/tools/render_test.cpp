@@ -3,8 +3,10 @@
 #include <vtkSmartPointer.h>
 
 #include <algorithm>
+#include <csignal>
 #include <cstdlib>
 
+#include "core/stopwatch.h"
 #include "tests/tools/everything_scene.h"
 #include "tests/tools/program.h"
 #include "tests/tools/scratch.h"
@@ -35,10 +37,9 @@ TEST_F(Render, WithoutADisplayAndWithoutXvfbIsOneLine) {
   for (const char* environment : {"DISPLAY", "DISPLAY=:4711"}) {
     const ProgramResult result = render({}, {environment, "PATH=/nowhere"});
     EXPECT_EQ(result.exit_code, 5);
-    EXPECT_EQ(
-        result.err,
-        "kappaflow: error: DISPLAY: there is no display to draw with, and no xvfb-run to make one; install "
-        "xvfb\n");
+    EXPECT_EQ(result.err,
+              "kappaflow: error: DISPLAY: there is no display to draw with, and no Xvfb to make one; install "
+              "xvfb\n");
   }
 }
 
@@ -46,6 +47,28 @@ TEST_F(Render, WithoutADisplayAVirtualOneIsMade) {
   const ProgramResult result = render({}, {"DISPLAY"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(bytes_of(folder / "a.png").substr(0, 4), "\x89PNG");
+}
+
+TEST_F(Render, DamagedFilesAreOneLine) {
+  const auto expect_refused = [&](const char* name, const std::string& bytes) {
+    const std::string whole = bytes_of(folder / name);
+    file(name, bytes);
+    const ProgramResult result = render({});
+    EXPECT_EQ(result.exit_code, 5) << name;
+    EXPECT_EQ(result.err.find("kappaflow: error: " + (folder / name).string() + ": is "), 0u) << result.err;
+    EXPECT_EQ(std::ranges::count(result.err, '\n'), 1) << result.err;
+    file(name, whole);
+  };
+  for (const char* name : {"surface-curvature/surface_0001.vtp", "boundary.vtp"}) {
+    const std::string whole = bytes_of(folder / name);
+    expect_refused(name, whole.substr(0, whole.size() / 2));
+    std::string damaged = whole;
+    damaged.replace(whole.find("Points\"") + 200, 4, "////");
+    expect_refused(name, damaged);
+    expect_refused(name, "");
+  }
+  expect_refused("run.json", "{\"methods\": [7]}");
+  EXPECT_EQ(render({}).exit_code, 0);
 }
 
 TEST_F(Render, WrongChoicesAreOneLine) {
@@ -152,6 +175,36 @@ TEST_F(Film, GivesFfmpegAllFramesAtTheSpeedOfTheLiquid) {
                             (folder / "film").string() + "\n");
 }
 
+// The folder of its name is the run's own, one of those in it, or somebody else's.
+TEST_F(Film, HasItsPicturesApartFromOtherFiles) {
+  file("ffmpeg", "#!/bin/sh\nfor last; do :; done; echo film > \"$last\"\n");
+  std::filesystem::permissions(folder / "ffmpeg", std::filesystem::perms::owner_all);
+  std::filesystem::create_directory(folder / "holiday");
+  file("holiday/frame_0002.jpg", "mine");
+  const auto expect_apart = [&](const std::filesystem::path& film) {
+    const std::string pictures = film.parent_path() / ("frames-" + film.stem().string());
+    const ProgramResult result =
+        run_program({"render", folder.string(), "--methods", "total", "--out", film.string()},
+                    {"PATH=" + folder.string() + ":" + std::getenv("PATH")});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_TRUE(result.out.ends_with("each of them as a picture in " + pictures + "\n")) << result.out;
+    EXPECT_TRUE(std::filesystem::exists(std::filesystem::path(pictures) / "frame_0001.png"));
+    std::filesystem::remove_all(pictures);
+    std::filesystem::remove(film);
+  };
+  expect_apart(folder.string() + ".mp4");
+  for (const char* name : {"particles.mp4", "surface-total.mp4", "boundary.mp4", "holiday.mp4"})
+    expect_apart(folder / name);
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+    EXPECT_NE(entry.path().extension(), ".png") << entry.path();
+  std::filesystem::create_directory(folder / "frames-holiday");
+  file("frames-holiday/frame_0002.jpg", "mine");
+  EXPECT_EQ(render({"--out", (folder / "holiday.mp4").string()}).err,
+            "kappaflow: error: " + (folder / "holiday").string() + " and " +
+                (folder / "frames-holiday").string() +
+                " hold other files than a film's pictures; name the film otherwise\n");
+}
+
 TEST_F(Film, IsAbsentWhereFfmpegFails) {
   const std::string film_name = (folder / "film.mp4").string(), pictures = (folder / "film").string();
   for (const auto& [script, reason] :
@@ -193,6 +246,61 @@ TEST_F(Render, DrawsAPanelForEachMethod) {
     }
   EXPECT_GT(blue_left, 5000);
   EXPECT_EQ(blue_left, blue_right);
+}
+
+/// Names of the processes that were started with this entry in their environment and do not end within a
+/// second: who is told to end needs a moment.
+std::vector<std::string> processes_with(const std::string& entry) {
+  std::vector<std::string> found;
+  for (const Stopwatch watch; watch.seconds() < 1;) {
+    found.clear();
+    for (const auto& process : std::filesystem::directory_iterator("/proc"))
+      if (bytes_of(process.path() / "environ").find(entry) != std::string::npos)
+        found.push_back(bytes_of(process.path() / "comm"));
+    if (found.empty()) break;
+  }
+  return found;
+}
+
+/// Without a display, so that each has an X server of its own.
+class EndsAtOnce : public Render {
+ protected:
+  void expect_end(const std::vector<std::string>& words, Stop stop) const {
+    for (const int signal : {SIGINT, SIGTERM}) {
+      stop.signal = signal;
+      if (!stop.when.empty()) std::filesystem::remove(stop.when);
+      const std::string mark = "KAPPAFLOW_TEST=" + folder.string();
+      const ProgramResult result =
+          run_program(words, {"DISPLAY", mark, "PATH=" + folder.string() + ":" + std::getenv("PATH")}, stop);
+      EXPECT_EQ(result.exit_code, 128 + signal) << result.err;
+      EXPECT_EQ(result.err, "");
+      EXPECT_LT(result.seconds_to_end, 1);
+      EXPECT_EQ(processes_with(mark), std::vector<std::string>()) << words[0];
+      for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+        EXPECT_NE(entry.path().extension(), ".tmp") << entry.path();
+    }
+  }
+};
+
+TEST_F(EndsAtOnce, WhileTheDisplayStarts) {
+  expect_end({"render", folder.string(), "--out", (folder / "a.png").string()}, {0, {}, 0.02});
+}
+
+TEST_F(EndsAtOnce, WhileAFilmIsDrawn) {
+  expect_end({"render", folder.string()}, {0, folder / "film/frame_0000.png"});
+}
+
+TEST_F(EndsAtOnce, WhileFfmpegMakesTheFilm) {
+  file("ffmpeg", "#!/bin/sh\nfor last; do :; done; echo half > \"$last\"; touch '" +
+                     (folder / "begun").string() + "'; exec sleep 100\n");
+  std::filesystem::permissions(folder / "ffmpeg", std::filesystem::perms::owner_all);
+  expect_end({"render", folder.string()}, {0, folder / "begun"});
+}
+
+TEST_F(EndsAtOnce, WhileAnExperimentRuns) {
+  const auto out = folder / "out";
+  expect_end({"experiment", "fig9", "--quick", "--quiet", "--force", "--out", out.string()},
+             {0, out / "fig9/run/surface-total/surface_0002.vtp"});
 }
 
 /// The share of the picture's pixels that are clearly blue, as the checker is and walls are not.

@@ -12,7 +12,7 @@
 #include "tests/tools/program.h"
 #include "tests/tools/scratch.h"
 #include "tests/tools/text_table.h"
-#include "tools/data_files.h"
+#include "tests/tools/vtk_reader.h"
 #include "tools/metrics.h"
 #include "tools/run_record.h"
 #include "tools/timings.h"

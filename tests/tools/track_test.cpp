@@ -15,6 +15,7 @@
 #include "tests/tools/scratch.h"
 #include "tests/tools/sequence_files.h"
 #include "tests/tools/text_table.h"
+#include "tests/tools/vtk_reader.h"
 #include "tools/data_files.h"
 
 namespace kappaflow {

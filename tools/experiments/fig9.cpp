@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/errors.h"
 #include "surface/motion/velocity.h"
 #include "tools/plot.h"
 #include "tools/render.h"
@@ -27,11 +26,7 @@ RunSummary run_all_methods(const ExperimentContext& context) {
   options.force = true;  // the experiments' folder was checked already
   options.quiet = context.options.quiet;
   options.command = {"kappaflow", "experiment", context.name};
-  RunSummary summary = run_scene(options);
-  if (summary.interrupted_by != 0)
-    throw Error("interrupted; the report holds the experiments before",
-                exit_code_after(summary.interrupted_by));
-  return summary;
+  return run_scene(options);
 }
 
 /// The number of frames from the start on in which the mesh is sound.
