@@ -3,14 +3,22 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <concepts>
+#include <sstream>
+#include <string_view>
 
+#include "core/errors.h"
 #include "core/parallel.h"
 #include "core/solid_distance.h"
+#include "core/text_scanner.h"
 #include "surface/mesh/isosurface.h"
 #include "surface/mesh/self_intersection.h"
 #include "surface/mesh/winding_numbers.h"
 #include "surface/tracker/projection.h"
+#include "tools/files.h"
+#include "tools/point_data.h"
 
 namespace kappaflow {
 namespace {
@@ -20,6 +28,62 @@ constexpr double kSmallestAngle = 15, kLargestAngle = 140;  // of a triangle in 
 
 std::string optional_number(const std::optional<double>& value) {
   return value ? fmt::format("{:.12g}", *value) : std::string();
+}
+
+/// Takes the cells of a line one after the other.
+class RowReader {
+ public:
+  explicit RowReader(std::string_view line) : rest_(line) {}
+
+  template <class... Values>
+  void read(Values&... values) {
+    (take(values), ...);
+  }
+  bool at_end() const { return at_end_; }
+
+ private:
+  std::string_view cell() {
+    if (at_end_) throw InvalidInput("has too few cells");
+    const std::size_t end = rest_.find(',');
+    at_end_ = end == std::string_view::npos;
+    const std::string_view found = rest_.substr(0, end);
+    rest_.remove_prefix(at_end_ ? rest_.size() : end + 1);
+    return found;
+  }
+  void take(std::string& text) { text = cell(); }
+  void take(double& number) { number = number_from(cell()); }
+  void take(std::optional<double>& number) {
+    const std::string_view found = cell();
+    if (!found.empty()) number = number_from(found);
+  }
+  template <std::integral Count>
+  void take(Count& count) {
+    const std::string_view found = cell();
+    const auto [end, error] = std::from_chars(found.data(), found.data() + found.size(), count);
+    if (error != std::errc() || end != found.data() + found.size())
+      throw InvalidInput(fmt::format("has \"{}\" for a whole number", one_line(found, 30)));
+  }
+
+  std::string_view rest_;
+  bool at_end_ = false;
+};
+
+MetricsRow parse_metrics_row(std::string_view line) {
+  MetricsRow row;
+  FrameMetrics& f = row.frame;
+  SurfaceMetrics& s = row.surface;
+  RowReader cells(line);
+  cells.read(f.frame, f.time, row.method, f.particles, f.penetration_max, f.density_error_mean,
+             f.density_error_max);
+  cells.read(s.vertices, s.triangles, s.residual_max, s.quality.min, s.quality.mean, s.size.area,
+             s.size.volume, f.isosurface_volume);
+  cells.read(s.slip, s.rotation_captured, s.tracer_distance, s.topology.components, s.topology.genus,
+             f.isosurface.components, f.isosurface.genus, s.kept_fraction, s.unprojected, s.folded_fraction);
+  cells.read(s.angles_outside, s.self_intersections, s.texture.mean, s.texture.cracks, s.kept_since_frame,
+             s.surface_without_mesh, s.mesh_without_surface, s.regions_replaced, s.regions_refused,
+             s.on_lattice.components, s.on_lattice.genus, s.vertices_replaced);
+  if (!cells.at_end()) throw InvalidInput("has too many cells");
+  return row;
 }
 
 /// The largest distance between a fresh isosurface and a mesh, each way [sigma]; 0 where one is empty.
@@ -131,6 +195,20 @@ std::string metrics_row(const FrameMetrics& f, const std::string& method, const 
                      s.self_intersections, s.texture.mean, s.texture.cracks, s.kept_since_frame,
                      s.surface_without_mesh, s.mesh_without_surface, s.regions_replaced, s.regions_refused,
                      s.on_lattice.components, s.on_lattice.genus, s.vertices_replaced);
+}
+
+std::vector<MetricsRow> read_metrics(const std::filesystem::path& file) {
+  std::istringstream lines(read_file(file));
+  std::string line;
+  if (!std::getline(lines, line) || line + '\n' != metrics_header())
+    throw IoError(file.string(), "is not a table of metrics of this version of kappaflow");
+  std::vector<MetricsRow> rows;
+  while (std::getline(lines, line)) try {
+      rows.push_back(parse_metrics_row(line));
+    } catch (const InvalidInput& error) {
+      throw IoError(file.string(), fmt::format("row {} {}", rows.size() + 1, error.what()));
+    }
+  return rows;
 }
 
 std::string pieces_header() {

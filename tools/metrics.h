@@ -1,6 +1,7 @@
 // The numbers of metrics.csv: how well the simulation and each tracked surface do at one frame.
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
@@ -25,13 +26,6 @@ struct FrameMetrics {
   std::optional<double> density_error_max;   ///< largest compression of a particle since then [1]
   double isosurface_volume = 0;              ///< of a fresh extraction at 0.25 sigma [m3]
   MeshTopology isosurface;                   ///< of the same
-
-  /// See core/saved_state.h.
-  template <class Archive>
-  void serialize(Archive& archive) {
-    archive(frame, time, particles, penetration_max, density_error_mean, density_error_max, isosurface_volume,
-            isosurface.components, isosurface.genus);
-  }
 };
 
 /// Numbers of one tracked surface.
@@ -69,16 +63,6 @@ struct SurfaceMetrics {
   /// Whether the mesh stands for the surface at all: every vertex on it, hardly a triangle folded over, the
   /// volume and the topology of a fresh isosurface.
   bool sound(const FrameMetrics& frame) const;
-
-  /// See core/saved_state.h; without `pieces`.
-  template <class Archive>
-  void serialize(Archive& archive) {
-    archive(vertices, triangles, residual_max, quality.min, quality.mean, size.area, size.volume, slip,
-            rotation_captured, tracer_distance, topology.components, topology.genus, kept_fraction,
-            unprojected, folded_fraction, angles_outside, self_intersections, texture.mean, texture.cracks,
-            kept_since_frame, regions_replaced, regions_refused, surface_without_mesh, mesh_without_surface,
-            on_lattice.components, on_lattice.genus, vertices_replaced);
-  }
 };
 
 inline constexpr double kSoundFolded = 1e-3;  ///< largest share of folded triangles of a sound mesh
@@ -109,6 +93,15 @@ SurfaceMetrics surface_metrics(const Field& field, const TriangleMesh& isosurfac
 /// One line each, with the line's end; numbers to 12 digits, empty where there is no value.
 std::string metrics_header();
 std::string metrics_row(const FrameMetrics& frame, const std::string& method, const SurfaceMetrics& surface);
+/// What such a line says.
+struct MetricsRow {
+  FrameMetrics frame;
+  std::string method;
+  SurfaceMetrics surface;  ///< without `pieces`
+};
+/// The rows under the header of such a table, to the digits that it has. Throws IoError where the file cannot
+/// be read or holds anything else.
+std::vector<MetricsRow> read_metrics(const std::filesystem::path& file);
 
 /// The same of pieces.csv: a line for each connected piece.
 std::string pieces_header();

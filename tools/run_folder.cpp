@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "core/errors.h"
 #include "tools/checkpoint.h"
 #include "tools/data_files.h"
 #include "tools/files.h"
-#include "tools/metrics.h"
 #include "tools/pvd.h"
 #include "tools/timings.h"
 
@@ -21,6 +21,7 @@ namespace fs = std::filesystem;
 constexpr const char* kMetricsFile = "metrics.csv";
 constexpr const char* kPiecesFile = "pieces.csv";
 constexpr const char* kTimingsFile = "timings.csv";
+constexpr const char* kBeginningFolder = "beginning.tmp";  // of a run that is to replace another
 constexpr std::array kTables{kMetricsFile, kPiecesFile, kTimingsFile};
 constexpr std::array kOtherFiles{kRecordFile, kSceneFile, kCheckpointFile, kBoundaryFile, kFailureFile};
 
@@ -75,22 +76,42 @@ bool holds_results(const fs::path& folder) {
          });
 }
 
-void make_room(const fs::path& folder, bool force) {
-  try {
-    if (!holds_results(folder)) return;
-    if (!force)
-      throw InvalidInput(fmt::format(
-          "{} already holds a run; {}--force replaces it, --out DIR writes elsewhere", folder.string(),
-          fs::exists(folder / kCheckpointFile) ? "kappaflow run --resume goes on with it, " : ""));
-    remove_run(folder);
-  } catch (const fs::filesystem_error& error) {
-    throw IoError(folder.string(), error.code().message());
-  }
-}
-
 fs::path made_folder(fs::path folder) {
   make_folder(folder);
   return folder;
+}
+
+/// Of a run that was ended before it could take its place.
+void remove_beginning(const fs::path& folder) {
+  std::error_code ignored;  // it is in nobody's way
+  fs::remove_all(folder / kBeginningFolder, ignored);
+}
+
+/// Where a new run writes its first frame.
+fs::path place_to_begin(const fs::path& folder, bool force) {
+  remove_beginning(folder);
+  try {
+    if (!holds_results(folder)) return folder;
+  } catch (const fs::filesystem_error& error) {
+    throw IoError(folder.string(), error.code().message());
+  }
+  if (!force)
+    throw InvalidInput(fmt::format(
+        "{} already holds a run; {}--force replaces it, --out DIR writes elsewhere", folder.string(),
+        fs::exists(folder / kCheckpointFile) ? "kappaflow run --resume goes on with it, " : ""));
+  return made_folder(folder / kBeginningFolder);
+}
+
+/// Into folders of the same names where these are there.
+void move_files(const fs::path& from, const fs::path& to) {
+  for (const auto& entry : entries_of(from)) {
+    const fs::path target = to / entry.path().filename();
+    if (entry.is_directory() && fs::is_directory(target))
+      move_files(entry, target);
+    else
+      fs::rename(entry, target);
+  }
+  fs::remove(from);
 }
 
 }  // namespace
@@ -112,25 +133,46 @@ std::string boundary_file(int frame) {
 }
 
 RunFolder::RunFolder(fs::path folder, std::vector<std::string> methods, bool force)
-    : folder_(made_folder(std::move(folder))), lock_(folder_), methods_(std::move(methods)) {
-  make_room(folder_, force);
-  make_folder(folder_ / "particles");
-  for (const std::string& method : methods_) make_folder(folder_ / ("surface-" + method));
+    : folder_(made_folder(std::move(folder))),
+      lock_(folder_),
+      place_(place_to_begin(folder_, force)),
+      methods_(std::move(methods)) {
+  make_folder(place_ / "particles");
+  for (const std::string& method : methods_) make_folder(place_ / ("surface-" + method));
   const std::array headers{metrics_header(), pieces_header(), timings_header()};
   for (std::size_t t = 0; t < kTables.size(); ++t) write_text(kTables[t], headers[t]);
   table_lines_.fill(1);
 }
 
-RunFolder::RunFolder(fs::path folder) : folder_(std::move(folder)), lock_(folder_) {}
+RunFolder::RunFolder(fs::path folder) : folder_(std::move(folder)), lock_(folder_), place_(folder_) {
+  remove_beginning(folder_);
+}
+
+RunFolder::~RunFolder() {
+  if (place_ != folder_) remove_beginning(folder_);
+}
+
+void RunFolder::take_place() {
+  if (place_ == folder_) return;
+  flush();
+  const fs::path begun = std::exchange(place_, folder_);
+  try {
+    remove_run(folder_);
+    move_files(begun, folder_);
+  } catch (const fs::filesystem_error& error) {
+    throw IoError(folder_.string(), error.code().message());
+  }
+  flush_to_disk(folder_);
+}
 
 void RunFolder::write_data(const std::string& name, vtkPolyData& data) {
-  write_vtp(folder_ / name, data);
-  written_.insert(folder_ / name);
+  write_vtp(place_ / name, data);
+  written_.insert(place_ / name);
 }
 
 void RunFolder::write_text(const std::string& name, const std::string& text) {
-  write_file(folder_ / name, text);
-  written_.insert(folder_ / name);
+  write_file(place_ / name, text);
+  written_.insert(place_ / name);
 }
 
 void RunFolder::write_record(const std::string& json) {
@@ -147,7 +189,7 @@ void RunFolder::write_boundary(vtkPolyData& data) {
 }
 
 void RunFolder::write_boundary(int frame, vtkPolyData& data) {
-  if (!boundary_moves_) make_folder(folder_ / "boundary");
+  if (!boundary_moves_) make_folder(place_ / "boundary");
   has_boundary_ = boundary_moves_ = true;
   write_data(boundary_file(frame), data);
 }
@@ -171,9 +213,9 @@ void RunFolder::finish_frame(double time, const FrameRows& rows) {
   write_collections();
   const std::array lines{rows.metrics, rows.pieces, rows.timings};
   for (std::size_t t = 0; t < kTables.size(); ++t) {
-    append_lines(folder_ / kTables[t], lines[t]);
+    append_lines(place_ / kTables[t], lines[t]);
     table_lines_[t] += std::ranges::count(lines[t], '\n');
-    written_.insert(folder_ / kTables[t]);
+    written_.insert(place_ / kTables[t]);
   }
 }
 
@@ -189,7 +231,11 @@ void RunFolder::flush() {
 
 void RunFolder::write_checkpoint(std::string_view state) {
   flush();
-  kappaflow::write_checkpoint(folder_ / kCheckpointFile, state);
+  kappaflow::write_checkpoint(place_ / kCheckpointFile, state);
+}
+
+std::vector<MetricsRow> RunFolder::metrics() const {
+  return read_metrics(folder_ / kMetricsFile);
 }
 
 void RunFolder::cut_tables() const {

@@ -9,10 +9,12 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "tools/folder_lock.h"
 #include "tools/mesh_text.h"
+#include "tools/metrics.h"
 
 namespace kappaflow {
 
@@ -31,14 +33,22 @@ struct FrameRows {
 class RunFolder {
  public:
   /// Makes the folder and its tables. Throws InvalidInput when the folder already holds a run (a run.json, or
-  /// files in folders of those names) and `force` is not set (with it, these files are removed, and nothing
-  /// else) or another run is writing into it, IoError when the folder cannot be written.
+  /// files in folders of those names) and `force` is not set, or another run is writing into it, IoError when
+  /// the folder cannot be written. With `force` the new run begins in a folder inside, until take_place().
   RunFolder(std::filesystem::path folder, std::vector<std::string> methods, bool force);
   /// Opens the folder of a run that was interrupted; what else there is to know, serialize() reads. Throws
   /// InvalidInput when another run is writing into it, IoError when there is no such folder.
   explicit RunFolder(std::filesystem::path folder);
+  /// A run that did not come to take its place leaves the one that it was to replace as it was.
+  ~RunFolder();
+  RunFolder(const RunFolder&) = delete;
+  RunFolder& operator=(const RunFolder&) = delete;
 
   const std::filesystem::path& path() const { return folder_; }
+
+  /// To be called when the run has really begun: its first frame is written. The files of the run that the
+  /// folder held are removed, and nothing else, and those of the new one come in their place.
+  void take_place();
 
   void write_record(const std::string& json);
   /// A copy of the scene, for resuming the run.
@@ -58,10 +68,14 @@ class RunFolder {
   /// The same, and then the checkpoint too.
   void write_checkpoint(std::string_view state);
 
+  /// Of a resumed run: the frames that are there already, which serialize() leaves to the caller.
+  void set_times(std::vector<double> times) { times_ = std::move(times); }
+  std::vector<MetricsRow> metrics() const;
+
   /// See core/saved_state.h. Reading cuts the tables back to the rows that they had.
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(methods_, times_, has_boundary_, boundary_moves_, table_lines_);
+    archive(methods_, has_boundary_, boundary_moves_, table_lines_);
     if constexpr (Archive::is_loading::value) cut_tables();
   }
 
@@ -73,6 +87,7 @@ class RunFolder {
 
   std::filesystem::path folder_;
   FolderLock lock_;
+  std::filesystem::path place_;  // where files are written: folder_, or inside of it until take_place()
   std::vector<std::string> methods_;
   std::vector<double> times_;                   // of the finished frames [s]
   std::array<std::uint64_t, 3> table_lines_{};  // of metrics, pieces and timings

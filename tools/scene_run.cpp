@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <utility>
+#include <vector>
 
 #include "core/saved_state.h"
 #include "tools/data_files.h"
@@ -35,12 +37,15 @@ SceneRun::SceneRun(const RunPoint& point, const Scene& scene, RunFolder& folder)
       folder_(folder),
       times_(scene),
       simulation_(scene),
-      writer_(scene, simulation_, point.options.formats, folder) {}
+      writer_(scene, simulation_, point.options.formats, folder) {
+  summary_.density_tolerance = scene.fluid.density_tolerance;
+}
 
 void SceneRun::start() {
   summary_.setup_seconds = watch_.seconds();
   write_frame(0);
   write_checkpoint();
+  folder_.take_place();
 }
 
 RunSummary SceneRun::advance(const InterruptGuard& guard) {
@@ -91,6 +96,16 @@ void SceneRun::write_checkpoint() {
   std::ostringstream state;
   StateWriter(state, little_endian())(point_, *this);
   folder_.write_checkpoint(state.view());
+}
+
+// What follows from the scene or stands in the tables is not in the checkpoint: it would grow with each
+// frame.
+void SceneRun::restore_frames() {
+  std::vector<double> times;
+  for (int frame = 0; frame <= point_.frame; ++frame) times.push_back(times_[frame]);
+  folder_.set_times(std::move(times));
+  summary_.add_frames_before(folder_.metrics());
+  summary_.setup_seconds = watch_.seconds();
 }
 
 /// Writes the particles of a failed simulation, and says where they are.

@@ -39,7 +39,7 @@ class SceneRun {
   /// Makes the simulation. scene, folder: must outlive it.
   SceneRun(const RunPoint& point, const Scene& scene, RunFolder& folder);
 
-  /// Writes frame 0.
+  /// Writes frame 0 and a checkpoint: from then on the folder is the run's own.
   void start();
   /// Advances to the scene's end or until a signal comes, with a checkpoint (the RunPoint and this) every
   /// checkpoint_interval frames and at the end. An IoError that leaves it also says how to go on, any other
@@ -51,14 +51,15 @@ class SceneRun {
   /// See core/saved_state.h; for a run of the same scene that has not started.
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(simulation_, writer_, folder_, summary_);
-    if constexpr (Archive::is_loading::value) summary_.setup_seconds = watch_.seconds();
+    archive(simulation_, writer_, folder_);
+    if constexpr (Archive::is_loading::value) restore_frames();
   }
 
  private:
   void advance_frames(const InterruptGuard& guard);
   void write_frame(int frame);
   void write_checkpoint();
+  void restore_frames();
   std::string written_particles() const;
 
   RunPoint point_;

@@ -15,6 +15,19 @@ std::string median_text(std::span<const SurfaceMetrics> frames,
   return value ? fmt::format("{:.4f}", *value) : "-";
 }
 
+/// Of the shipped scenes the splash has single particles squeezed by 37 % for a moment, and 0.06 % in the
+/// mean.
+std::string compression_warning(const RunSummary& s) {
+  constexpr double kMostTolerances = 200, kMostOfAParticle = 0.4;
+  const double mean = s.density_error_mean.value_or(0), max = s.density_error_max.value_or(0);
+  if (mean <= kMostTolerances * s.density_tolerance && max <= kMostOfAParticle) return "";
+  return fmt::format(
+      "  warning: the liquid was compressed far beyond density_tolerance ({:.2g} %): by {:.2g} % in the "
+      "mean, "
+      "{:.2g} % at a particle; lower max_time_step or cfl, or raise max_pressure_iterations\n",
+      100 * s.density_tolerance, 100 * mean, 100 * max);
+}
+
 std::string run_lines(const RunSummary& s, const std::string& title, const ParticleFieldOptions& field) {
   std::string text = fmt::format(
       "{}\n  {} particles, {} frames, {} steps to t = {:.4g} s; threshold {:.6g}, sigma {:.4g} m\n", title,
@@ -24,7 +37,7 @@ std::string run_lines(const RunSummary& s, const std::string& title, const Parti
     text +=
         fmt::format("  deepest particle {:.3f} spacings inside a wall; compression mean {:.2e}, max {:.2e}\n",
                     *s.penetration_max, *s.density_error_mean, *s.density_error_max);
-  return text;
+  return text + compression_warning(s);
 }
 
 std::string time_line(const RunSummary& s) {
@@ -89,6 +102,16 @@ void RunSummary::add_frame(const FrameMetrics& metrics, double tracers, double s
   density_error_max = std::max(density_error_max, metrics.density_error_max);
   tracer_seconds += tracers;
   shared_output_seconds += shared_output;
+}
+
+void RunSummary::add_frames_before(std::span<const MetricsRow> rows) {
+  for (const MetricsRow& row : rows) {
+    auto method = std::ranges::find(methods, row.method, &MethodSummary::name);
+    if (method == methods.end()) method = methods.insert(methods.end(), MethodSummary());
+    method->add_frame(row.method, row.surface, {});
+    if (method == methods.begin()) add_frame(row.frame, 0, 0);
+  }
+  frames_before = frames.size();
 }
 
 std::optional<double> median(std::span<const std::optional<double>> values) {

@@ -21,12 +21,6 @@ struct MethodSummary {
 
   double residual_max() const;  ///< largest of all frames [sigma]
 
-  /// See core/saved_state.h; without the wall times.
-  template <class Archive>
-  void serialize(Archive& archive) {
-    archive(name, frames);
-  }
-
   void add_frame(const std::string& method, const SurfaceMetrics& metrics, const PhaseSeconds& frame_seconds);
 };
 
@@ -35,7 +29,8 @@ struct RunSummary {
   std::vector<MethodSummary> methods;
   std::vector<FrameMetrics> frames;  ///< the finished ones, the first included
   std::optional<double> penetration_max, density_error_mean, density_error_max;  ///< largest of all frames
-  std::size_t steps = 0;                                                         ///< in time
+  double density_tolerance = 0;   ///< of the liquid's solver [1]
+  std::size_t steps = 0;          ///< in time
   std::size_t frames_before = 0;  ///< frames that were there when the run was resumed, which are not timed
   double setup_seconds = 0, tracer_seconds = 0, shared_output_seconds = 0;
   double wall_seconds = 0;
@@ -44,13 +39,8 @@ struct RunSummary {
   std::string text;           ///< see summary_text()
 
   void add_frame(const FrameMetrics& metrics, double tracers, double shared_output);
-
-  /// See core/saved_state.h; without the wall times.
-  template <class Archive>
-  void serialize(Archive& archive) {
-    archive(methods, frames, penetration_max, density_error_mean, density_error_max);
-    if constexpr (Archive::is_loading::value) frames_before = frames.size();
-  }
+  /// The frames that a resumed run finds in its table; without the wall times.
+  void add_frames_before(std::span<const MetricsRow> rows);
 };
 
 /// The upper median of the values that there are; nullopt where there are none. Rotation captured is a ratio,

@@ -163,6 +163,7 @@ RunSummary track_sequence(const TrackOptions& options, ParticleSequence& sequenc
   FrameWriter writer(output, surfaces, options.formats, folder);
   RunSummary summary;
   write_frame(writer, folder, 0, now, surfaces, summary);
+  folder.take_place();
   const int last = static_cast<int>(sequence.size()) - 1;
   Progress progress(sequence.time(0), sequence.time(last), last, !options.quiet);
   for (int k = 1; k <= last && !guard.interrupted(); ++k) {

@@ -1,8 +1,13 @@
 #include "tools/checkpoint.h"
 
+#include <map>
+#include <regex>
+#include <set>
+
 #include "core/errors.h"
 #include "tests/tools/full_disk.h"
 #include "tests/tools/scratch.h"
+#include "tools/run_record.h"
 
 namespace kappaflow {
 namespace {
@@ -32,7 +37,7 @@ TEST_F(Checkpoint, LayoutIsAsDocumented) {
   // 8 + (1 byte of cereal that says little-endian) + 4 + 4 + 8 bytes, then the state.
   ASSERT_EQ(bytes_.size(), 25 + kState.size());
   EXPECT_EQ(bytes_.substr(0, 9), "kf-state\1");
-  EXPECT_EQ(bytes_.substr(9, 4), std::string("\1\0\0\0", 4));
+  EXPECT_EQ(bytes_.substr(9, 4), std::string("\2\0\0\0", 4));
   EXPECT_EQ(bytes_.substr(17, 8), std::string("\22\0\0\0\0\0\0\0", 8));
   EXPECT_EQ(bytes_.substr(25), kState);
 }
@@ -68,6 +73,38 @@ TEST_F(Checkpoint, FullDiskLeavesTheLastOne) {
     EXPECT_THROW(write_checkpoint(file_, std::string(100000, 'x')), IoError);
   }
   EXPECT_EQ(read_checkpoint(file_), kState);
+}
+
+/// The functions that save states, word for word but for blanks and comments, in the order of their files.
+std::string saving_functions() {
+  std::set<std::filesystem::path> files;
+  for (const char* part : {"core", "solver", "surface", "tools"})
+    for (const auto& entry :
+         std::filesystem::recursive_directory_iterator(std::filesystem::path(KAPPAFLOW_SOURCE_DIR) / part))
+      if (entry.path().extension() == ".h" || entry.path().extension() == ".cpp") files.insert(entry.path());
+  const std::regex comment("//[^\n]*"), blank("\\s+"), function("serialize\\(Archive&archive[^;{]*\\{");
+  std::string functions;
+  for (const auto& path : files) {
+    std::string text = std::regex_replace(std::regex_replace(bytes_of(path), comment, ""), blank, "");
+    for (std::smatch found; std::regex_search(text, found, function);
+         text = text.substr(found.position() + 1)) {
+      std::size_t end = found.position() + found.length();
+      for (int depth = 1; depth > 0; ++end) depth += text[end] == '{' ? 1 : text[end] == '}' ? -1 : 0;
+      functions += text.substr(found.position(), end - found.position()) + "\n";
+    }
+  }
+  return functions;
+}
+
+/// What was saved in each format. A new line here goes with a new kCheckpointFormat.
+const std::map<std::uint32_t, std::string> kFingerprints{{2, "fnv1a64:d0652a95da8e1759"}};
+
+TEST(CheckpointFormat, IsRaisedWhenAStateIsSavedInAnotherWay) {
+  ASSERT_TRUE(kFingerprints.contains(kCheckpointFormat));
+  EXPECT_EQ(text_hash(saving_functions()), kFingerprints.at(kCheckpointFormat))
+      << "a serialize() is not what it was when the format was given its number: raise kCheckpointFormat, "
+         "add "
+         "the fingerprint, and make tests/data/checkpoint anew";
 }
 
 }  // namespace

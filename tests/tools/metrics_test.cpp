@@ -4,6 +4,7 @@
 
 #include <numbers>
 
+#include "core/errors.h"
 #include "scenes/scene.h"
 #include "surface/field/particle_motion.h"
 #include "surface/tracker/initial_mesh.h"
@@ -124,6 +125,38 @@ TEST(MetricsTable, RowMatchesTheHeader) {
             "7,0.28,total,1000,0.25,0.333333333333,0.02,12,20,1e-05,0.5,0.9,3.5,0.625,0.75,,0.875,,1,4,2,3,1,"
             "5,0,0.125,6,0.5,0.25,0.875,1.5,2.5,8,9,10,11,13\n");
   EXPECT_EQ(split(metrics_row(frame, "total", surface), ',').size(), split(metrics_header(), ',').size());
+}
+
+class MetricsFile : public Scratch {};
+
+TEST_F(MetricsFile, IsReadBackToItsDigits) {
+  const std::string first = "0,0,total,8,,,,1,2,3.5,4.5,5.5,6.5,7.5,8.5,,,,9,10,11,12,13.5,14,15.5,16.5,17,",
+                    rest = "18.5,19.5,20.5,21.5,22.5,23,24,25,26,27\n",
+                    second =
+                        "1,0.04,normal,8,0.25,1e-05,0.5,1,2,3.5,4.5,5.5,6.5,7.5,8.5,0.1,0.2,0.3,9,10,11,"
+                        "12,13.5,14,15.5,16.5,17,";
+  const auto rows = read_metrics(file("metrics.csv", metrics_header() + first + rest + second + rest));
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(metrics_row(rows[0].frame, rows[0].method, rows[0].surface), first + rest);
+  EXPECT_EQ(metrics_row(rows[1].frame, rows[1].method, rows[1].surface), second + rest);
+  EXPECT_FALSE(rows[0].surface.slip.has_value());
+  EXPECT_EQ(rows[1].surface.slip, 0.1);
+  EXPECT_EQ(rows[1].method, "normal");
+  EXPECT_EQ(rows[1].surface.vertices_replaced, 27u);
+}
+
+TEST_F(MetricsFile, DamagedOnesAreOneLine) {
+  const auto message = [&](const std::string& text) {
+    const auto path = file("metrics.csv", text);
+    return message_of<IoError>([&] { read_metrics(path); }).substr(path.string().size());
+  };
+  const std::string row = metrics_row({}, "total", {});
+  EXPECT_EQ(message("frame,time\n"), ": is not a table of metrics of this version of kappaflow");
+  EXPECT_EQ(message(metrics_header() + row + "1,0.04,total\n"), ": row 2 has too few cells");
+  EXPECT_EQ(message(metrics_header() + row.substr(0, row.size() - 1) + ",7\n"), ": row 1 has too many cells");
+  EXPECT_EQ(message(metrics_header() + "x" + row), ": row 1 has \"x0\" for a whole number");
+  EXPECT_EQ(message(metrics_header() + "0,nul" + row.substr(3)),
+            ": row 1 found \"nul\" where a number is needed");
 }
 
 TEST(TimingsTable, IsInMillisecondsAndMebibytes) {

@@ -125,6 +125,36 @@ TEST_F(Reliability, SignalsBetweenFramesLeaveTheWholeStateToGoOnFrom) {
   EXPECT_EQ(again.out, (folder / "stopped").string() + ": the run is complete, 6 frames\n");
 }
 
+// Ten times the frames to the same moment; a mesh that is left alone has the same size in both.
+TEST_F(Reliability, ACheckpointDoesNotGrowWithTheFrames) {
+  std::string scene = bytes_of(kSmallScene);
+  scene.insert(scene.find("fairing_iterations"), "remesh = false\ntopology = false\n");
+  const auto size_after = [&](const std::string& rate) {
+    std::string text = scene;
+    text.replace(text.find("= 25.0"), 6, "= " + rate);
+    const fs::path out = folder / rate;
+    const ProgramResult result =
+        run_program({"run", file("scene.toml", text).string(), "--out", out.string(), "--duration", "0.08"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return fs::file_size(out / "checkpoint.bin");
+  };
+  EXPECT_EQ(size_after("25.0"), size_after("250.0"));
+  EXPECT_EQ(read_table(folder / "250.0" / "metrics.csv").size(), 2 * 21u);
+}
+
+// What the format's number promises. Of the run that tests/data/checkpoint was, the tables are enough.
+TEST_F(Reliability, ACheckpointOfAnEarlierProgramGoesOn) {
+  fs::copy(KAPPAFLOW_SOURCE_DIR "/tests/data/checkpoint", folder / "run");
+  for (const char* data : {"particles", "boundary", "surface-normal"})
+    fs::create_directory(folder / "run" / data);
+  const ProgramResult result = run_program({"run", "--resume", (folder / "run").string()});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const auto rows = read_table(folder / "run/metrics.csv");
+  ASSERT_EQ(rows.size(), 3u);
+  EXPECT_EQ(rows.back().at("time"), "0.04");
+  EXPECT_NE(result.out.find(", 3 frames, "), std::string::npos) << "the earlier ones count: " << result.out;
+}
+
 TEST_F(Reliability, AChangedSceneIsNotResumed) {
   const std::string scene = file("scene.toml", bytes_of(kSmallScene)).string();
   const fs::path out = folder / "run";
@@ -158,6 +188,32 @@ TEST_F(Reliability, FullDiskStopsTheRunAndLeavesItsCheckpoint) {
   }
   EXPECT_EQ(run_program({"run", "--resume", out.string()}).exit_code, 0);
   expect_same_results(folder / "whole", out);
+}
+
+// Each fails later than the one before: with the folder's tables, with its first mesh, with its first frame.
+TEST_F(Reliability, ARunThatCannotBeginLeavesTheOneThatItWasToReplace) {
+  const fs::path out = folder / "run";
+  const std::vector<std::string> replace{"run", kSmallScene, "--out", out.string(), "--force"};
+  ASSERT_EQ(run_program({"run", kSmallScene, "--out", out.string(), "--duration", "0.02"}).exit_code, 0);
+  fs::copy(out, folder / "before", fs::copy_options::recursive);
+  const auto run_on_full_disk = [&](rlim_t bytes) {
+    const FullDisk full(bytes);
+    return run_program(replace);
+  };
+  const auto expect_untouched = [&](const ProgramResult& result, int exit_code) {
+    EXPECT_EQ(result.exit_code, exit_code) << result.err;
+    expect_same_results(folder / "before", out);
+    EXPECT_EQ(bytes_of(folder / "before/run.json"), bytes_of(out / "run.json"));
+  };
+  expect_untouched(run_on_full_disk(400), 5);
+  std::string bare = bytes_of(kSmallScene);
+  bare.insert(bare.find("fairing_iterations"), "threshold = 1e6\n");
+  bare = file("bare.toml", bare).string();
+  expect_untouched(run_program({"run", bare, "--out", out.string(), "--force"}), 2);
+  expect_untouched(run_on_full_disk(4096), 5);
+  EXPECT_EQ(run_program(replace).exit_code, 0);
+  ASSERT_EQ(run_program({"run", kSmallScene, "--out", (folder / "new").string()}).exit_code, 0);
+  expect_same_results(folder / "new", out);
 }
 
 class Failing : public Reliability {

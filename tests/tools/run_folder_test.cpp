@@ -83,6 +83,7 @@ TEST_F(RunFolderFiles, MovingWallsAreASeries) {
   }
   file("run/run.json", "{}");
   RunFolder again(folder / "run", {"total"}, true);
+  again.take_place();
   EXPECT_FALSE(fs::exists(folder / "run/boundary"));
   EXPECT_FALSE(fs::exists(folder / "run/boundary.pvd"));
 }
@@ -101,6 +102,7 @@ TEST_F(RunFolderFiles, RefusesAUsedFolderUnlessForced) {
   EXPECT_TRUE(fs::exists(folder / "run.json"));
 
   RunFolder again(folder, {"total"}, true);
+  again.take_place();
   EXPECT_FALSE(fs::exists(folder / "run.json"));
   EXPECT_FALSE(fs::exists(folder / "run.pvd"));
   EXPECT_FALSE(fs::exists(folder / "surface-curvature"));
@@ -108,6 +110,42 @@ TEST_F(RunFolderFiles, RefusesAUsedFolderUnlessForced) {
   EXPECT_EQ(bytes_of(folder / "metrics.csv"), metrics_header());
   EXPECT_EQ(bytes_of(folder / "notes.txt"), "mine") << "only the run's own files go";
   EXPECT_EQ(bytes_of(folder / "surface-total/mine.txt"), "mine");
+}
+
+TEST_F(RunFolderFiles, ARunStaysUntilTheOneThatReplacesItHasBegun) {
+  const auto write_run = [&](RunFolder& run, const char* record) {
+    run.write_record(record);
+    write_frame(run, 0);
+  };
+  {
+    RunFolder run(folder, {"total", "curvature"}, false);
+    write_run(run, "old");
+  }
+  file("surface-total/mine.txt", "mine");
+  const auto expect_old = [&] {
+    EXPECT_EQ(bytes_of(folder / "run.json"), "old");
+    EXPECT_EQ(bytes_of(folder / "metrics.csv"), metrics_header() + "m\n");
+    EXPECT_TRUE(fs::exists(folder / "surface-total/surface_0000.vtp"));
+  };
+  {
+    RunFolder failed(folder, {"total", "curvature"}, true);
+    write_run(failed, "failed");
+    expect_old();
+  }
+  expect_old();
+  EXPECT_FALSE(fs::exists(folder / "beginning.tmp"));
+  fs::create_directory(folder / "beginning.tmp");
+  file("beginning.tmp/run.json", "killed");
+  RunFolder run(folder, {"total", "curvature"}, true);
+  write_run(run, "new");
+  run.take_place();
+  write_frame(run, 1);
+  EXPECT_EQ(bytes_of(folder / "run.json"), "new");
+  EXPECT_EQ(bytes_of(folder / "metrics.csv"), metrics_header() + "m\nm\n");
+  for (const char* name : {"surface-total/surface_0000.vtp", "surface-total/surface_0001.vtp",
+                           "particles/particles_0000.vtp", "surface-total/mine.txt"})
+    EXPECT_TRUE(fs::exists(folder / name)) << name;
+  EXPECT_FALSE(fs::exists(folder / "beginning.tmp"));
 }
 
 TEST_F(RunFolderFiles, FramesWithoutARecordAreNotOverwrittenEither) {

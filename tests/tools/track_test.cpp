@@ -12,6 +12,7 @@
 #include "core/errors.h"
 #include "scenes/mesh_file.h"
 #include "surface/tracker/initial_mesh.h"
+#include "tests/tools/full_disk.h"
 #include "tests/tools/scratch.h"
 #include "tests/tools/sequence_files.h"
 #include "tests/tools/text_table.h"
@@ -257,6 +258,26 @@ TEST_F(Track, ADamagedFrameLeavesNothingBehind) {
   EXPECT_TRUE(message.starts_with((folder / "p_10.vtk").string() + ": is damaged or not complete ("))
       << message;
   EXPECT_FALSE(fs::exists(folder / "out"));
+}
+
+TEST_F(Track, AFullDiskLeavesTheRunThatWasToBeReplaced) {
+  write_sequence("csv", kBodyMotion, 0.1, [](const Particles& p, int) { return csv_text(p, true, true); });
+  TrackOptions o = options("p_*.csv", {"material"});
+  ASSERT_EQ(track(o), 0);
+  fs::copy(folder / "out", folder / "before", fs::copy_options::recursive);
+  o.methods = {"regional"};
+  {
+    const FullDisk full(4096);
+    EXPECT_THROW(track(o), IoError);
+  }
+  for (const auto& entry : fs::recursive_directory_iterator(folder / "out")) {
+    const fs::path before = folder / "before" / fs::relative(entry.path(), folder / "out");
+    ASSERT_TRUE(fs::exists(before)) << before;
+    EXPECT_TRUE(entry.is_directory() || bytes_of(entry.path()) == bytes_of(before)) << before;
+  }
+  EXPECT_TRUE(fs::exists(folder / "out/surface-material/surface_0005.vtp"));
+  ASSERT_EQ(track(o), 0);
+  EXPECT_FALSE(fs::exists(folder / "out/surface-material"));
 }
 
 TEST_F(Track, SPlisHSPlasHFramesEndToEnd) {
