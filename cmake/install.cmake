@@ -3,6 +3,8 @@
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 
+# Two components, which are two Debian packages: what runs, and what programs of others are built with.
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME development)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/kappaflow)
 set(header_folder ${CMAKE_INSTALL_INCLUDEDIR}/kappaflow)
 
@@ -23,6 +25,7 @@ foreach(folder core solver surface scenes)
 endforeach()
 install(FILES ${PROJECT_BINARY_DIR}/core/version.h DESTINATION ${header_folder}/core)
 
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME program)
 install(TARGETS kappaflow)
 install(DIRECTORY scenes DESTINATION share/kappaflow
         FILES_MATCHING PATTERN "*.toml" PATTERN "*.csv" PATTERN "*.vtp" PATTERN "*.md")

@@ -2,7 +2,7 @@
 #   cmake -DBUILD=... -DSOURCE_DIR=... -DCOMPILER=... -P install.cmake
 cmake_minimum_required(VERSION 3.25)
 set(folder ${BUILD}/install-test)
-set(installed ${folder}/installed)
+set(installed ${folder}/moved)
 file(REMOVE_RECURSE ${folder})
 
 function(run)
@@ -13,7 +13,8 @@ function(run)
   set(text "${text}" PARENT_SCOPE)
 endfunction()
 
-run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${installed})
+run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${folder}/installed)
+file(RENAME ${folder}/installed ${installed})  # it has to work wherever it lies
 foreach(file share/doc/kappaflow/LICENSE share/doc/kappaflow/CITATION.cff share/doc/kappaflow/README.md
         share/doc/kappaflow/docs/methods.md share/doc/kappaflow/docs/images/staircase.png share/kappaflow/scenes/staircase.toml
         share/kappaflow/scenes/experiments/data share/kappaflow/paraview/open_run.py)
@@ -23,6 +24,16 @@ foreach(file share/doc/kappaflow/LICENSE share/doc/kappaflow/CITATION.cff share/
 endforeach()
 run(${CMAKE_COMMAND} -DFOLDER=${installed}/share/doc/kappaflow -P ${SOURCE_DIR}/tests/links.cmake)
 run(${installed}/bin/kappaflow check ${installed}/share/kappaflow/scenes/staircase-small.toml)
+
+# Experiments read the scenes that lie beside the program, not those of the source tree.
+set(figure ${installed}/share/kappaflow/scenes/experiments/fig4.toml)
+file(RENAME ${figure} ${figure}.away)
+execute_process(COMMAND ${installed}/bin/kappaflow experiment fig4 --quick --out ${folder}/figures
+                ERROR_VARIABLE text RESULT_VARIABLE result)
+if(result EQUAL 0 OR NOT text MATCHES "${figure}")
+  message(FATAL_ERROR "experiments do not read ${figure}: ${text}")
+endif()
+file(RENAME ${figure}.away ${figure})
 
 # No settings of the project's own build may be needed, or reach the example's.
 run(${CMAKE_COMMAND} -G Ninja -S ${SOURCE_DIR}/examples/find_package -B ${folder}/example
