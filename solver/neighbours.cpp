@@ -42,9 +42,9 @@ void NeighbourSearch::Scratch::collect(const CellGrid& grid, std::size_t begin, 
 
 /// Finds particle i's neighbours among them.
 void NeighbourSearch::Scratch::append_row(std::uint32_t i, const Vec4f& xi, float support) {
-  // Padding may take as much again.
-  if (found.size() < pairs + 2 * (candidates + kWide)) {
-    found.resize(2 * (pairs + 2 * (candidates + kWide)));
+  // Each neighbour may need a block of its own: where 2^16 particles or more lie between them.
+  if (const std::size_t room = pairs + kWide * candidates; found.size() < room) {
+    found.resize(2 * room);
     square.resize(found.size());
   }
   std::size_t end = pairs;

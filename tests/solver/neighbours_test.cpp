@@ -100,6 +100,32 @@ TEST(Neighbours, CountAsNanoflann) {
   EXPECT_LE(differing, 2u);  // pairs whose distance rounds to the support
 }
 
+// Nine lines of 2^16 particles, each in a row of cells of its own: each particle's neighbours in the lines
+// beside its own are further apart in the order than a block's offsets reach, and take a block each.
+TEST(Neighbours, MayBeFurtherApartThanABlockReaches) {
+  constexpr int kLength = 65600;
+  constexpr double kFirst = 0.16, kApart = 0.14;  // the cells begin at 0, 0.2, 0.4
+  std::vector<Vec3> points{Vec3::Zero()};
+  for (int k = 0; k < 3; ++k)
+    for (int j = 0; j < 3; ++j)
+      for (int i = 0; i < kLength; ++i)
+        points.emplace_back(0.21 * (i + 2), kFirst + kApart * j, kFirst + kApart * k);
+  const Liquid liquid(points, at_rest(points.size()), kSpacing);
+  std::size_t blocks_max = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    std::size_t neighbours = 0;
+    for (const PairBlock& block : liquid.lists.of(i))
+      neighbours += static_cast<std::size_t>(block.present().sum());
+    if (liquid.particles.position[i].isZero()) continue;
+    const Vec3 x = liquid.particles.position[i].head<3>().cast<double>();
+    const Vec3 at = ((x.array() - kFirst) / kApart).round();
+    const int beside = (at[1] == 1 ? 3 : 2) * (at[2] == 1 ? 3 : 2) - 1;  // sides and diagonals of a square
+    ASSERT_EQ(neighbours, static_cast<std::size_t>(beside)) << i;
+    blocks_max = std::max(blocks_max, liquid.lists.of(i).size());
+  }
+  EXPECT_EQ(blocks_max, 8u);
+}
+
 TEST(Neighbours, SortingCarriesEveryAttribute) {
   const auto points = random_points(500, 1, 3);
   std::vector<Vec3> velocity(points.size());
