@@ -2,19 +2,36 @@
 // list).
 #pragma once
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numeric>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "core/bytes.h"
+#include "core/errors.h"
 #include "core/parallel.h"
 #include "core/types.h"
+#include "core/whole_within.h"
 
 namespace kappaflow {
+
+/// How many cells of which size a grid has.
+struct CellCounts {
+  double cell_size = 1;              ///< [m]
+  std::array<int, 3> dims{0, 0, 0};  ///< along each axis
+};
+
+/// The cells that `points` points in a box of the size `extent` [m] are sorted by: cell_size > 0 [m] is
+/// doubled until there are at most 64 cells a point (65536 for few points), and fewer than 2^31 in all, which
+/// indices of 32 bits can tell apart. Throws InvalidInput where the extent is not finite, or for 2^32 points.
+CellCounts cell_counts(const Vec3& extent, double cell_size, std::size_t points);
 
 /// Sorts points by the cell that holds them. After build(), the k-th point in cell order is
 /// points[order()[k]]; callers copy their data into that order and then read the contiguous ranges that
@@ -22,8 +39,8 @@ namespace kappaflow {
 /// depend on the threads.
 class CellGrid {
  public:
-  /// Points: any range whose element p has p[0], p[1], p[2] [m], all finite. cell_size > 0 [m]; it is doubled
-  /// until the grid has at most 64 cells a point, so one particle that flies off costs speed and not memory.
+  /// Points: any range whose element p has p[0], p[1], p[2] [m], all finite. cell_size > 0 [m]; see
+  /// cell_counts(): one particle that flies off costs speed and not memory.
   template <class Point>
   void build(std::span<const Point> points, double cell_size);
 
@@ -61,16 +78,11 @@ class CellGrid {
   void ranges_around(std::uint32_t cell, const Visit& visit) const;
 
  private:
-  static constexpr std::size_t kMinCells = std::size_t{1} << 16;
-  static constexpr std::size_t kCellsPerPoint = 64;
-
-  void set_bounds(const Vec3& lower, const Vec3& upper, double cell_size, std::size_t points);
   void sort_by_cell();
   template <class Visit>
   void visit_runs(const std::array<int, 3>& first, const std::array<int, 3>& last, const Visit& visit) const;
   int clamped_cell(double x, int axis) const {
-    const double cell = std::floor((x - lower_[axis]) * inverse_cell_size_);
-    return static_cast<int>(std::clamp(cell, -1.0, static_cast<double>(dims_[axis])));
+    return whole_within(std::floor((x - lower_[axis]) * inverse_cell_size_), -1, dims_[axis]);
   }
 
   std::uint32_t index_of(const std::array<int, 3>& c) const {
@@ -85,15 +97,19 @@ class CellGrid {
   std::vector<std::uint32_t> cell_of_;  // kept between builds so that a step allocates nothing
 };
 
-inline void CellGrid::set_bounds(const Vec3& lower, const Vec3& upper, double cell_size, std::size_t points) {
-  const double limit = static_cast<double>(std::max(kMinCells, kCellsPerPoint * points));
-  lower_ = lower;
+inline CellCounts cell_counts(const Vec3& extent, double cell_size, std::size_t points) {
+  constexpr std::size_t kMinCells = std::size_t{1} << 16, kCellsPerPoint = 64;
+  constexpr double kMostCells = std::numeric_limits<int>::max();
+  if (points > std::numeric_limits<std::uint32_t>::max())
+    throw InvalidInput(fmt::format("{} points; at most {} can be searched", points,
+                                   std::numeric_limits<std::uint32_t>::max()));
+  if (!extent.allFinite()) throw InvalidInput("points that are searched are not finite, or too far apart");
+  const double limit =
+      std::min(static_cast<double>(std::max(kMinCells, kCellsPerPoint * points)), kMostCells);
   for (double size = cell_size;; size *= 2) {
-    inverse_cell_size_ = 1 / size;
-    const Vec3 extent = ((upper - lower) * inverse_cell_size_).array().floor() + 1;
-    if (extent.prod() > limit) continue;
-    for (int a = 0; a < 3; ++a) dims_[a] = static_cast<int>(extent[a]);
-    return;
+    const Vec3 cells = (extent * (1 / size)).array().floor() + 1;
+    if (!(cells.prod() <= limit)) continue;
+    return {size, {static_cast<int>(cells[0]), static_cast<int>(cells[1]), static_cast<int>(cells[2])}};
   }
 }
 
@@ -117,7 +133,10 @@ void CellGrid::build(std::span<const Point> points, double cell_size) {
         return Corners{a.lower.cwiseMin(b.lower), a.upper.cwiseMax(b.upper)};
       },
       4096);
-  set_bounds(lower, upper, cell_size, n);
+  const CellCounts counts = cell_counts(upper - lower, cell_size, n);
+  lower_ = lower;
+  inverse_cell_size_ = 1 / counts.cell_size;
+  dims_ = counts.dims;
 
   cell_of_.resize(n);
   parallel_for(n, [&](std::size_t i) {

@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 #include <set>
 
+#include "core/errors.h"
 #include "core/point_tree.h"
 
 namespace kappaflow {
@@ -99,6 +101,51 @@ TEST(CellGrid, TakesSinglePrecisionPaddedPoints) {
   std::size_t visited = 0;
   grid.ranges_near(points[0], 1.0, [&](std::uint32_t begin, std::uint32_t end) { visited += end - begin; });
   EXPECT_EQ(visited, 2u);
+}
+
+// The arithmetic alone: so many points would not fit into memory.
+TEST(CellCounts, StayBelowTheIndicesOf32Bits) {
+  const CellCounts many = cell_counts(Vec3(2000, 2000, 1500), 1, std::size_t{1} << 27);
+  EXPECT_EQ(many.cell_size, 2) << "at 1, 45 cells a point would be more than 2^32";
+  EXPECT_EQ(many.dims, (std::array<int, 3>{1001, 1001, 751}));
+  const CellCounts few = cell_counts(Vec3(10, 20, 30), 1, 5000);
+  EXPECT_EQ(few.dims, (std::array<int, 3>{11, 21, 31}));
+  const CellCounts line = cell_counts(Vec3(1e15, 0, 0), 1, std::size_t{1} << 31);
+  EXPECT_GT(line.dims[0], 1 << 29);  // an int for every one of them
+  EXPECT_EQ(line.dims[1], 1);
+  EXPECT_THROW(cell_counts(Vec3(1, 1, 1), 1, std::size_t{1} << 32), InvalidInput);
+}
+
+TEST(CellCounts, RefuseWhatIsNotFinite) {
+  for (const double x : {HUGE_VAL, std::nan("")})
+    EXPECT_THROW(cell_counts(Vec3(1, x, 1), 1, 10), InvalidInput);
+  EXPECT_LE(cell_counts(Vec3(1e300, 1, 1e308), 1e-3, 10).dims[0], 65536);
+  const std::vector<Vec3> points{Vec3(-1e308, 0, 0), Vec3(1e308, 0, 0)};
+  CellGrid grid;
+  EXPECT_THROW(grid.build(std::span<const Vec3>(points), 1), InvalidInput);
+}
+
+TEST(CellGrid, FindsNothingNearWhatIsNotFiniteOrFarAway) {
+  const auto points = random_points(100, 1, 8);
+  CellGrid grid;
+  grid.build(std::span<const Vec3>(points), 0.3);
+  for (const double x : {std::nan(""), HUGE_VAL, -HUGE_VAL, 1e300, -1e300}) {
+    EXPECT_TRUE(found_by_grid(grid, points, Vec3(x, 0, 0), 0.3).empty());
+    EXPECT_FALSE(grid.cell_holding(Vec3(0, x, 0)).has_value());
+  }
+}
+
+TEST(WholeWithin, HoldsForAnyNumber) {
+  const double nan = std::nan("");
+  EXPECT_EQ(whole_within(3.9, -10, 10), 3);
+  EXPECT_EQ(whole_within(-3.9, -10, 10), -3);
+  for (const double x : {1e300, HUGE_VAL}) {
+    EXPECT_EQ(whole_within(x, -10, std::numeric_limits<int>::max()), std::numeric_limits<int>::max());
+    EXPECT_EQ(whole_within(-x, std::numeric_limits<int>::min(), 10), std::numeric_limits<int>::min());
+    EXPECT_EQ(whole_within<std::size_t>(x, 0, std::size_t{1} << 53), std::size_t{1} << 53);
+  }
+  EXPECT_EQ(whole_within(nan, -10, 10), -10);
+  EXPECT_EQ(whole_within<std::uint64_t>(-1, 0, 5), 0u);
 }
 
 }  // namespace
