@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/whole_within.h"
 #include "scenes/mesh_file.h"
 #include "scenes/scene.h"
 #include "scenes/shapes.h"
@@ -123,6 +124,11 @@ double tracker_seconds(const Scene& scene, double vertices, double steps) {
          a_vertex;
 }
 
+/// As a number of things, at most 2^53: of walls a million kilometres long there would be more.
+std::size_t count(double number) {
+  return whole_within<std::size_t>(number, 0, std::size_t{1} << 53);
+}
+
 }  // namespace
 
 SceneEstimate estimate(const Scene& scene, int threads) {
@@ -144,9 +150,9 @@ SceneEstimate estimate(const Scene& scene, int threads) {
       steps * particles * kSolverSecondsPerParticleStep + tracker_seconds(scene, vertices, steps);
   SceneEstimate result;
   result.particles = start.position.size();
-  result.emitted = static_cast<std::size_t>(emitted);
-  result.boundary_particles = static_cast<std::size_t>(std::llround(boundary));
-  result.memory_bytes = static_cast<std::size_t>(memory(scene, at_end, boundary, vertices));
+  result.emitted = count(emitted);
+  result.boundary_particles = count(std::round(boundary));
+  result.memory_bytes = count(memory(scene, at_end, boundary, vertices));
   result.seconds =
       one_core * (1 - kParallelShare + kParallelShare / threads) +
       frames * (particles * kOutputSecondsPerParticle + methods * vertices * kOutputSecondsPerVertex);

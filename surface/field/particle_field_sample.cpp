@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/whole_within.h"
 #include "surface/field/particle_field.h"
 
 namespace kappaflow {
@@ -19,8 +20,8 @@ constexpr int kRowLanes = 4;
 /// spacing.
 struct IndexRange {
   IndexRange(double centre, double reach, int lower, int upper)
-      : first(static_cast<int>(std::clamp<double>(std::ceil(centre - reach), lower, upper + 1.0))),
-        last(static_cast<int>(std::clamp<double>(std::floor(centre + reach), lower - 1.0, upper))) {}
+      : first(whole_within(std::ceil(centre - reach), lower, upper + 1)),
+        last(whole_within(std::floor(centre + reach), lower - 1, upper)) {}
   int first, last;
 };
 

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "core/whole_within.h"
 #include "surface/mesh/triangle_mesh.h"
 
 namespace kappaflow {
@@ -19,9 +21,9 @@ class TriangleBins {
       const Vec3 &x = mesh.position[a], &y = mesh.position[b], &z = mesh.position[c];
       const Cell first = cell(x.cwiseMin(y).cwiseMin(z).array() - reach),
                  last = cell(x.cwiseMax(y).cwiseMax(z).array() + reach);
-      for (int k = first[2]; k <= last[2]; ++k)
-        for (int j = first[1]; j <= last[1]; ++j)
-          for (int i = first[0]; i <= last[0]; ++i) entries_.emplace_back(key({i, j, k}), t);
+      for (std::int64_t k = first[2]; k <= last[2]; ++k)
+        for (std::int64_t j = first[1]; j <= last[1]; ++j)
+          for (std::int64_t i = first[0]; i <= last[0]; ++i) entries_.emplace_back(key({i, j, k}), t);
     }
     std::ranges::sort(entries_);
   }
@@ -37,10 +39,12 @@ class TriangleBins {
   }
 
  private:
-  using Cell = std::array<int, 3>;
+  using Cell = std::array<std::int64_t, 3>;  // far from the origin more than an int counts
   Cell cell(const Vec3& x) const {
+    constexpr std::int64_t kFarthest = std::int64_t{1} << 52;
     const Vec3 c = (x / size_).array().floor();
-    return {static_cast<int>(c[0]), static_cast<int>(c[1]), static_cast<int>(c[2])};
+    const auto index = [&](int a) { return whole_within(c[a], -kFarthest, kFarthest); };
+    return {index(0), index(1), index(2)};
   }
   /// 21 bits an axis; cells that share a key cost time only.
   static std::uint64_t key(const Cell& c) {

@@ -4,11 +4,13 @@
 #include <cmath>
 
 #include "core/parallel.h"
+#include "core/whole_within.h"
 
 namespace kappaflow {
 namespace {
 
 constexpr int kWindingPlanes = 8;
+constexpr int kBeyondLattice = 1 << 30;     // more points than one has along an axis
 const Vec3 kRowShift(0, 1.37e-7, 2.91e-7);  // of the rows from the lattice's points, in spacings
 
 /// Twice the area of (a, b, p) projected on the y-z plane, positive counter-clockwise. The same number, but
@@ -59,12 +61,8 @@ class WindingSlab {
   }
 
  private:
-  static int first_from(double x, int least) {
-    return static_cast<int>(std::clamp<double>(std::ceil(x), least, 1e9));
-  }
-  static int last_to(double x, int most) {
-    return static_cast<int>(std::clamp<double>(std::floor(x), -1e9, most));
-  }
+  static int first_from(double x, int least) { return whole_within(std::ceil(x), least, kBeyondLattice); }
+  static int last_to(double x, int most) { return whole_within(std::floor(x), -kBeyondLattice, most); }
   std::int8_t* row_of(int j, int k) {
     return winding_ + (static_cast<std::size_t>(k) * ny_ + j) * static_cast<std::size_t>(nx_);
   }

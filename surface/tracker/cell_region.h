@@ -13,6 +13,9 @@ namespace kappaflow {
 /// Cells of a lattice, by the index of their lower corner; not bounded by the lattice's size.
 using LatticeCell = std::array<int, 3>;
 
+/// The largest index of a cell, up or down: differences of two, and some more, are int.
+inline constexpr int kFarthestCell = 1 << 29;
+
 /// Some cells and all that are up to `growth` away from one of them along each axis.
 class CellRegion {
  public:

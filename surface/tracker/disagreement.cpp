@@ -7,6 +7,7 @@
 
 #include "core/nearest_on_triangle.h"
 #include "core/parallel.h"
+#include "core/whole_within.h"
 #include "surface/mesh/mesh_measures.h"
 #include "surface/mesh/simple_points.h"
 #include "surface/mesh/winding_numbers.h"
@@ -106,9 +107,9 @@ void move_far_from_mesh(const TriangleMesh& mesh, double limit, const SampledFie
                most = corner[0].cwiseMax(corner[1]).cwiseMax(corner[2]);
     LatticeCell first{}, last{}, at{};
     for (int i = 0; i < 3; ++i) {
-      first[i] = static_cast<int>(std::clamp((least[i] - limit - origin[i]) / lattice.spacing, 0.0, 1e9)) + 1;
-      last[i] = static_cast<int>(
-          std::clamp((most[i] + limit - origin[i]) / lattice.spacing, -1.0, lattice.dims[i] - 1.0));
+      const int end = lattice.dims[i];
+      first[i] = whole_within((least[i] - limit - origin[i]) / lattice.spacing, 0, end) + 1;
+      last[i] = whole_within((most[i] + limit - origin[i]) / lattice.spacing, -1, end - 1);
     }
     for (at[2] = first[2]; at[2] <= last[2]; ++at[2])
       for (at[1] = first[1]; at[1] <= last[1]; ++at[1])
@@ -169,7 +170,8 @@ std::vector<LatticeCell> points_in_dispute(const Field& field, const TriangleMes
 
 LatticeCell cell_of(const SampledField& lattice, const Vec3& x) {
   const Vec3 cell = ((x - lattice.origin) / lattice.spacing).array().floor();
-  return {static_cast<int>(cell[0]), static_cast<int>(cell[1]), static_cast<int>(cell[2])};
+  const auto index = [&](int a) { return whole_within(cell[a], -kFarthestCell, kFarthestCell); };
+  return {index(0), index(1), index(2)};
 }
 
 bool is_off_surface(const Field& field, std::span<const Vec3> position, std::span<const Vec3> gradient,

@@ -6,6 +6,11 @@
 #include "surface/mesh/simple_points.h"
 
 namespace kappaflow {
+namespace {
+
+constexpr double kMostLatticePoints = 10000;  // across what a triangle sweeps, along all axes together
+
+}  // namespace
 
 bool LatticeGuard::allows(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& x) const {
   if (field_ == nullptr) return true;
@@ -14,10 +19,12 @@ bool LatticeGuard::allows(const Vec3& a, const Vec3& b, const Vec3& c, const Vec
   const Vec3 lower = u.cwiseMin(v).cwiseMin(w).cwiseMin(apex).array().ceil(),
              upper = u.cwiseMax(v).cwiseMax(w).cwiseMax(apex).array().floor();
   if ((lower.array() > upper.array()).any()) return true;
+  if (!((upper - lower).sum() < kMostLatticePoints)) return false;  // so far that no edit of a mesh is meant
   Mat3 edges;
   edges << v - u, w - u, apex - u;
   const double volume = edges.determinant();
   if (volume == 0) return true;
+  if (!std::isfinite(volume)) return false;
   const Mat3 weights = edges.inverse();
   Vec3 p;
   for (p[2] = lower[2]; p[2] <= upper[2]; ++p[2])

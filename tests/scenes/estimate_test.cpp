@@ -47,6 +47,14 @@ TEST(Estimate, TimeFollowsDurationMethodsStepsAndThreads) {
   EXPECT_GT(estimate(scene, 2).seconds, seconds / 2);
 }
 
+TEST(Estimate, OfWallsBeyondAllMeasureIsTooMuch) {
+  Scene scene = tank(0.1);
+  add_wall(scene, BoxShape{Vec3::Constant(-1e20), Vec3(1e20, -2, 1e20)});
+  const SceneEstimate result = estimate(scene, 1);
+  EXPECT_EQ(result.boundary_particles, std::size_t{1} << 53);
+  EXPECT_EQ(result.memory_bytes, std::size_t{1} << 53);
+}
+
 TEST(Estimate, WithoutWallsOrGravityStaysFinite) {
   Scene scene = tank(0.1);
   scene.walls.clear();

@@ -1,6 +1,7 @@
 // The parts that a change of topology is made of: winding numbers, boundary loops, strips, local isosurfaces.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numbers>
 #include <random>
 
@@ -9,7 +10,10 @@
 #include "surface/mesh/loops.h"
 #include "surface/mesh/mesh_measures.h"
 #include "surface/mesh/self_intersection.h"
+#include "surface/mesh/triangle_bins.h"
 #include "surface/mesh/winding_numbers.h"
+#include "surface/tracker/disagreement.h"
+#include "surface/tracker/lattice_guard.h"
 #include "tests/surface/mesh/analytic_fields.h"
 
 namespace kappaflow {
@@ -66,6 +70,62 @@ TEST(WindingNumbers, CountOverlapsAndReversedMeshes) {
         overlap += expected == 2;
       }
   EXPECT_GT(overlap, 50u);
+}
+
+const Vec3 kNowhere[] = {Vec3(1e300, 0, 0), Vec3(0, -1e300, 1e300), Vec3(0, HUGE_VAL, 0),
+                         Vec3(std::nan(""), 0, 0), Vec3(0, 0, 3e10)};
+
+TEST(FarVertices, AreInSomeCell) {
+  SampledField lattice;
+  lattice.spacing = 0.25;
+  lattice.dims = {8, 8, 8};
+  EXPECT_EQ(cell_of(lattice, Vec3(0.3, -0.1, 1)), (LatticeCell{1, -1, 4}));
+  EXPECT_EQ(cell_of(lattice, Vec3(1e300, -HUGE_VAL, std::nan(""))),
+            (LatticeCell{kFarthestCell, -kFarthestCell, -kFarthestCell}));
+  for (const Vec3& x : kNowhere) {
+    const std::vector<LatticeCell> cells{cell_of(lattice, x), cell_of(lattice, -x), LatticeCell{0, 0, 0}};
+    EXPECT_TRUE(CellRegion(cells, 1000).too_large());
+  }
+}
+
+TEST(FarVertices, LeaveTheWindingNumbersElsewhere) {
+  const EllipsoidField ball(Vec3::Zero(), Mat3::Identity(), Vec3::Ones());
+  TriangleMesh mesh = extract_isosurface(ball, 0.3);
+  SampledField lattice = isosurface_lattice(ball, 0.25);
+  const std::vector<std::int8_t> expected = winding_numbers(mesh.position, mesh.triangles, lattice);
+  const int first = static_cast<int>(mesh.vertex_count());
+  mesh.position.insert(mesh.position.end(), {Vec3(5, 5, 5), Vec3(6, 5, 5), Vec3(5, 6, 5)});
+  for (const Vec3& x : kNowhere) {
+    std::vector<Vec3> position = mesh.position;
+    std::vector<Triangle> triangles = mesh.triangles;
+    position.push_back(x.cwiseAbs() + Vec3::Constant(5));
+    triangles.insert(triangles.end(), {{first, first + 1, first + 3}, {first + 3, first + 2, first}});
+    EXPECT_EQ(winding_numbers(position, triangles, lattice), expected) << x.transpose();
+  }
+}
+
+TEST(TriangleBins, FindFarFromTheOrigin) {
+  TriangleMesh mesh;
+  for (const Vec3& at : {Vec3(5e6, 1e7, 0), Vec3(5e6, 1e7, 1)})
+    mesh.position.insert(mesh.position.end(), {at, at + Vec3(1e-3, 0, 0), at + Vec3(0, 1e-3, 0)});
+  mesh.triangles = {{0, 1, 2}, {3, 4, 5}};
+  const TriangleBins bins(mesh, std::vector{0, 1}, 1e-4);  // 1e11 cells from the origin
+  for (int t = 0; t < 2; ++t) {
+    std::vector<int> found;
+    EXPECT_FALSE(bins.any_near(mesh.position[3 * t] + Vec3(2e-4, 2e-4, 0), [&](int near) {
+      found.push_back(near);
+      return false;
+    }));
+    EXPECT_EQ(found, std::vector{t});
+  }
+  for (const Vec3& x : kNowhere) EXPECT_FALSE(bins.any_near(x, [](int) { return true; }));
+}
+
+TEST(LatticeGuard, RefusesWhatSweepsFartherThanAMesh) {
+  const EllipsoidField ball(Vec3::Zero(), Mat3::Identity(), Vec3::Ones());
+  const LatticeGuard guard(ball, isosurface_lattice(ball, 0.25), 0.1);
+  for (const Vec3& x : kNowhere)
+    EXPECT_FALSE(guard.allows(Vec3(0, 0, 0), Vec3(1, 0.1, 0.2), Vec3(0, 1, 0.3), x)) << x.transpose();
 }
 
 TEST(SeenByLattice, LeavesOutWhatPassesBetweenThePoints) {
