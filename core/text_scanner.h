@@ -11,6 +11,9 @@ namespace kappaflow {
 /// Text from a file as part of a message: shortened to about `bytes`, without control characters.
 std::string one_line(std::string_view text, std::size_t bytes);
 
+/// With a to z for A to Z.
+std::string lower_case(std::string_view text);
+
 /// Goes through a text line by line, and through each line word by word. Lines end with \n or \r\n.
 class TextScanner {
  public:

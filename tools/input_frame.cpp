@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "core/errors.h"
+#include "core/text_scanner.h"
 #include "tools/bgeo_file.h"
 #include "tools/files.h"
 #include "tools/number_table.h"
@@ -24,12 +25,6 @@ namespace fs = std::filesystem;
 
 constexpr int kFluidType = 3;  // DualSPHysics: 0 fixed, 1 moving, 2 floating, 3 fluid
 constexpr int kLocalTag = 0;   // PySPH: 0 local, 1 remote, 2 ghost
-
-std::string lower_case(std::string text) {
-  std::ranges::transform(text, text.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 /// The components of a vector: of one array, or of three.
 struct VectorArrays {
