@@ -310,7 +310,11 @@ void write_tables(const CompareOptions& options, const std::vector<Row>& rows, c
   std::string csv;
   for (const auto& row : cells) csv += fmt::format("{}\n", fmt::join(row, ","));
   write_file(options.folder / "compare.csv", csv);
-  write_file(options.folder / "compare.md", runs + markdown_text(cells));
+  std::string list;
+  std::istringstream lines(runs);
+  for (std::string line; std::getline(lines, line);)
+    list += line.empty() ? "\n" : fmt::format("- {}\n", line);
+  write_file(options.folder / "compare.md", list + markdown_text(cells));
 }
 
 }  // namespace

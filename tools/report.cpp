@@ -8,6 +8,8 @@
 #include <cctype>
 #include <cstdlib>
 #include <memory>
+#include <span>
+#include <tuple>
 
 #include "tools/files.h"
 
