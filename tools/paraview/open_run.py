@@ -2,7 +2,7 @@
 the walls, and the real time of every frame.
 
 In the application:   KAPPAFLOW_RUN=out/staircase paraview --script=tools/paraview/open_run.py
-Without a window:     xvfb-run -a pvbatch tools/paraview/open_run.py out/staircase picture.png
+Without a window:     xvfb-run -a -s -noreset pvbatch tools/paraview/open_run.py out/staircase picture.png
 The picture shows the last frame, or the frame nearest to the time [s] given as a third word.
 """
 
