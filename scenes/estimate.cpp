@@ -1,11 +1,17 @@
 // What a run will need: simple models, their constants in one place.
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <string_view>
+#include <vector>
 
+#include "core/named.h"
 #include "core/whole_within.h"
 #include "scenes/mesh_file.h"
 #include "scenes/scene.h"
 #include "scenes/shapes.h"
+#include "solver/surface_tension.h"
+#include "solver/time_step.h"
 #include "surface/mesh/mesh_measures.h"
 
 namespace kappaflow {
@@ -20,7 +26,7 @@ constexpr double kBytesPerSampledParticle = 900;   // of a wall, while the walls
 constexpr double kBytesPerParticleInField = 2 * 56 + 112 + 3 * 80;
 constexpr double kBytesPerBoundaryParticle = 64;
 // Mesh, rings, springs, velocities of the stages, what edits, comparisons and reports need meanwhile.
-constexpr double kBytesPerVertex = 1500;
+constexpr double kBytesPerVertex = 2250;
 // The reference isosurface: a lattice [sigma] over the box around the liquid, which grows to a multiple of
 // its volume; the values and the extractor's copy.
 constexpr double kSampleSpacing = 0.25;
@@ -29,21 +35,47 @@ constexpr double kBytesPerSample = 8;
 
 // Per spacing^2 of wall: a Poisson-disk set 0.6 spacings apart.
 constexpr double kBoundaryParticlesPerCell = 1.9;
-// Of an isosurface per spacing^2 of area, averaged over directions; and the liquid's mean area over that of
-// its blocks.
-constexpr double kVerticesPerCell = 1.5;
-constexpr double kSurfaceGrowth = 1.5;
+// Seconds on one core of an AMD EPYC that runs other programs beside it (docs/performance.md); sigma of 2
+// spacings where nothing else is said.
+constexpr double kSecondsPerBoundaryParticle = 8e-6;  // sampling the walls
+constexpr double kSecondsPerFirstVertex = 1e-4;       // meshing
+constexpr double kSolverSecondsPerParticleStep = 1.4e-6;
+constexpr double kSecondsPerViscousIteration = 0.11e-6;  // and particle
+constexpr double kSecondsPerFairing = 0.3e-6;            // a vertex and step: projection
+constexpr double kSecondsPerFairingIteration = 0.32e-6;  // and relaxation
+constexpr double kSecondsPerMending = 1.2e-6;     // likewise: remeshing, and looking for changes of topology
+constexpr double kSecondsPerRegionVertex = 4e-6;  // to replace a region of a mesh of so many vertices
+constexpr double kOutputSecondsPerParticle = 2e-6;  // a frame
+constexpr double kOutputSecondsPerVertex = 20e-6;   // a frame and method, measures included
+constexpr double kParallelShare = 0.9;              // of all but output (Amdahl 1967)
+constexpr int kMostSpans = 10000;                   // of time that are looked at one by one
 
-// Seconds on one core.
-constexpr double kSolverSecondsPerParticleStep = 2e-6;
-constexpr double kTrackerSecondsPerVertexStage = 2e-6;      // a velocity
-constexpr double kTrackerSecondsPerVertexFairing = 0.7e-6;  // one iteration with its projection
-constexpr double kOutputSecondsPerParticle = 2e-6;          // a frame
-constexpr double kOutputSecondsPerVertex = 10e-6;           // a frame and method, measures included
-constexpr double kParallelShare = 0.9;                      // of the solver and the tracker (Amdahl 1967)
+/// Seconds of a velocity at a vertex.
+constexpr Named<double> kVelocitySeconds[] = {
+    {"normal", 0.35e-6},         {"total", 0.35e-6},   {"curvature", 0.6e-6}, {"curvature-only", 0.6e-6},
+    {"curvature-first", 0.6e-6}, {"material", 0.7e-6}, {"regional", 3.7e-6}};
 
-/// The flow's typical speed is about half the largest that free fall over the scene's drop allows.
-constexpr double kTypicalSpeedShare = 0.5;
+// The flow. The fastest particle of liquid that runs down somewhere has about this share of the largest speed
+// that free fall allows, in the mean; a stream falls all the time; torn liquid squirts.
+constexpr double kTypicalSpeedShare = 0.6, kTypicalStreamShare = 0.7, kLargestSpeedShare = 1.1;
+// Conjugate gradients for viscosity: 9 sqrt(nu dt / h^2), but no more than it takes to cross the liquid.
+constexpr double kViscousIterations = 9, kCrossings = 1.1;
+
+// The surface. Vertices per edge^2: of a smooth surface that moves, and of one in shreds, where rims and tips
+// take finer edges. Weights that are not normalised leave the thinnest shreds without a surface.
+constexpr double kVerticesPerCell = 1.5, kVerticesPerShred = 3, kVerticesPerNormalisedShred = 5;
+// Area over volume^(2/3) of what a stream piles up: of a half ball, of honey at a Reynolds number of 1 and
+// what each e-folding of that adds, of a puddle in folds.
+constexpr double kHalfBall = 5.8, kPile = 9, kSpreading = 2.8, kPuddle = 14;
+
+// Splashing, fitted to a breaking dam and to a ball that falls into a pool: see splash_of().
+constexpr double kSplashShare = 0.6;
+constexpr double kCalm = 20,
+                 kWild = 300;      // Reynolds numbers below which nothing splashes and above which all may
+constexpr double kSplashPeak = 3;  // when, in units of when it begins
+// Of changes of topology, see topology_seconds(). Those of a stream grow with the Reynolds number up to here.
+constexpr double kRegionsPerMotion = 0.009, kStreamRegionsPerMotion = 7e-5;
+constexpr double kFoldingPower = 0.8, kMostFolding = 30;
 
 double area(const BoxShape& box) {
   const Vec3 d = box.upper - box.lower;
@@ -69,59 +101,246 @@ double memory(const Scene& scene, double particles, double boundary_particles, d
   return kBytesOfProgram + std::max(run, boundary_particles * kBytesPerSampledParticle);
 }
 
-/// Largest speed by the end [m/s]: free fall for the whole duration, but not further than from the highest
-/// particle to the lowest point of the walls, if there are any.
-double fastest_speed(const Scene& scene, const FluidParticlesAtStart& particles,
-                     const std::vector<TriangleSurface>& walls) {
-  const Vec3& gravity = scene.fluid.gravity;
-  double fastest_start = 0, highest = -INFINITY, lowest = INFINITY;  // potentials -g . x [m2/s2]
-  for (const Vec3& v : particles.velocity) fastest_start = std::max(fastest_start, v.norm());
-  for (const Vec3& x : particles.position) highest = std::max(highest, -gravity.dot(x));
+/// What is the same at every moment of the run, of a scene and its walls.
+struct Flow {
+  double fastest_start = 0;  // [m/s]
+  double fastest = 0;        // after the deepest possible fall [m/s]
+  double energy = 0;         // that the liquid has to give until it is at rest on the floor [J/kg]
+  double depth = 0;          // of the liquid on the floor; 0: there is no floor [m]
+  double floor = 0;          // its potential [m2/s2]
+  double reynolds = 0;       // of its speed then and that depth
+  double splash = 0;         // share of the liquid that is in shreds when it splashes most
+};
+
+double potential(const Scene& scene, const Vec3& x) {
+  return -scene.fluid.gravity.dot(x);
+}
+
+/// The lowest faces of the walls on which liquid can lie.
+struct Floor {
+  double potential = INFINITY;  // [m2/s2]
+  double area = 0;              // [m2]
+};
+
+Floor lowest_floor(const Scene& scene, const std::vector<TriangleSurface>& walls) {
+  constexpr double kLevel = 0.7;  // cosine of the slope
+  const Vec3 up = -scene.fluid.gravity.normalized();
+  const double same_level = scene.fluid.gravity.norm() * scene.fluid.spacing;
+  Floor floor;
   for (const TriangleSurface& wall : walls)
-    for (const Vec3& x : wall.vertices) lowest = std::min(lowest, -gravity.dot(x));
-  for (const Emitter& emitter : scene.fluid.emitters) {
-    fastest_start = std::max(fastest_start, emitter.speed);
-    highest = std::max(highest, -gravity.dot(emitter.position));
+    for (const auto& [a, b, c] : wall.triangles) {
+      const Vec3 &p = wall.vertices[a], &q = wall.vertices[b], &r = wall.vertices[c];
+      const Vec3 twice_area = (q - p).cross(r - p);
+      const double upward = up.dot(twice_area), level = potential(scene, (p + q + r) / 3);
+      if (upward < kLevel * twice_area.norm() || level > floor.potential + same_level) continue;
+      if (level < floor.potential - same_level) floor.area = 0;
+      floor.potential = std::min(floor.potential, level);
+      floor.area += upward / 2;
+    }
+  return floor;
+}
+
+/// The particles of an emitter by `time` [s].
+double emitted_by(const Emitter& emitter, const Scene& scene, double time) {
+  const double end = std::min(emitter.end, scene.duration);
+  if (!(end > emitter.start)) return 0;
+  return emitted_particles(emitter, scene) *
+         std::clamp((time - emitter.start) / (end - emitter.start), 0.0, 1.0);
+}
+
+/// The mean over all liquid of what it brings with it, kinetic and potential [J/kg], less what it keeps.
+double energy_to_give(const Scene& scene, const FluidParticlesAtStart& start, const Flow& flow) {
+  double sum = 0, particles = 0;
+  const auto add = [&](double speed, const Vec3& x, double count) {
+    sum += count * (0.5 * speed * speed + potential(scene, x) - flow.floor);
+    particles += count;
+  };
+  for (std::size_t i = 0; i < start.position.size(); ++i) add(start.velocity[i].norm(), start.position[i], 1);
+  for (const Emitter& emitter : scene.fluid.emitters)
+    add(emitter.speed, emitter.position, emitted_particles(emitter, scene));
+  return std::max(0.0, sum / particles - 0.5 * scene.fluid.gravity.norm() * flow.depth);
+}
+
+/// Of the thinnest fluid.
+double reynolds_of(const Scene& scene, const Flow& flow) {
+  double viscosity = scene.fluid.kinematic_viscosity;
+  for (const double other : scene.fluid.more_viscosities) viscosity = std::min(viscosity, other);
+  return std::sqrt(2 * flow.energy) * flow.depth / std::max(viscosity, 1e-12);
+}
+
+/// Liquid is torn the more the higher its energy could lift it, in units of its depth at rest, unless
+/// viscosity damps it before.
+double splash_of(const Scene& scene, const Flow& flow) {
+  const double wild = std::clamp(std::log(flow.reynolds / kCalm) / std::log(kWild / kCalm), 0.0, 1.0);
+  return wild * std::min(1.0, kSplashShare * flow.energy / (scene.fluid.gravity.norm() * flow.depth));
+}
+
+Flow flow_of(const Scene& scene, const FluidParticlesAtStart& start, double particles,
+             const std::vector<TriangleSurface>& walls) {
+  Flow flow;
+  double highest = -INFINITY;
+  for (std::size_t i = 0; i < start.position.size(); ++i) {
+    flow.fastest_start = std::max(flow.fastest_start, start.velocity[i].norm());
+    highest = std::max(highest, potential(scene, start.position[i]));
   }
-  const double by_time = fastest_start + gravity.norm() * scene.duration;
-  if (walls.empty()) return by_time;
-  const double by_drop = std::sqrt(fastest_start * fastest_start + 2 * std::max(0.0, highest - lowest));
-  return std::min(by_time, by_drop);
+  for (const Emitter& emitter : scene.fluid.emitters) {
+    flow.fastest_start = std::max(flow.fastest_start, emitter.speed);
+    highest = std::max(highest, potential(scene, emitter.position));
+  }
+  const Floor floor = lowest_floor(scene, walls);
+  flow.fastest = INFINITY;
+  if (!(floor.area > 0)) return flow;
+  flow.floor = floor.potential;
+  flow.fastest =
+      std::sqrt(flow.fastest_start * flow.fastest_start + 2 * std::max(0.0, highest - floor.potential));
+  flow.depth = particles * std::pow(scene.fluid.spacing, 3) / floor.area;
+  flow.energy = energy_to_give(scene, start, flow);
+  flow.reynolds = reynolds_of(scene, flow);
+  flow.splash = splash_of(scene, flow);
+  return flow;
 }
 
-double solver_steps(const Scene& scene, double fastest) {
+/// The length of a step at `time`, without regard to frames [s].
+double time_step_at(double time, const Scene& scene, const Flow& flow) {
   const FluidOptions& fluid = scene.fluid;
-  const double typical = std::max(kTypicalSpeedShare * fastest, 1e-9);
-  const double step =
-      std::clamp(fluid.cfl * fluid.spacing / typical, fluid.min_time_step, fluid.max_time_step);
-  return std::ceil(scene.duration / step);
+  const double calm = fluid.emitters.empty() ? kTypicalSpeedShare : kTypicalStreamShare;
+  const double share = std::min(calm + flow.splash, kLargestSpeedShare);
+  const double speed = share * std::min(flow.fastest, flow.fastest_start + fluid.gravity.norm() * time);
+  const double step = std::min({cfl_time_step(speed, fluid.gravity.norm(), fluid.cfl * fluid.spacing),
+                                capillary_time_step(fluid.surface_tension, fluid.density, fluid.spacing),
+                                fluid.max_time_step});
+  return std::max(step, fluid.min_time_step);
 }
 
-/// Of the liquid in the nozzle at the start, where the mesh of a stream begins.
-double nozzle_area(const Emitter& emitter, double spacing) {
+double particles_at(double time, const Scene& scene, const FluidParticlesAtStart& start) {
+  double particles = static_cast<double>(start.position.size());
+  for (const Emitter& emitter : scene.fluid.emitters) particles += emitted_by(emitter, scene, time);
+  return particles;
+}
+
+/// Of a stream as far as it has fallen, and of what it has piled up.
+double stream_area(const Emitter& emitter, double time, const Scene& scene, const Flow& flow) {
+  const double spacing = scene.fluid.spacing, g = scene.fluid.gravity.norm();
+  const double since = std::min(time, emitter.end) - emitter.start;
+  if (since < 0) return 0;
   const double mouth = static_cast<double>(emitter_layer(emitter, spacing).size()) * spacing * spacing;
-  return emitter.start > 0 ? 0 : 2 * mouth + kNozzleLength * spacing * 4 * std::sqrt(mouth);
+  double length = emitter.speed * since + 0.5 * g * since * since;
+  if (flow.depth > 0)
+    length = std::min(length, std::max(0.0, potential(scene, emitter.position) - flow.floor) / g);
+  const double volume = emitted_by(emitter, scene, time) * std::pow(spacing, 3),
+               piled_up = std::max(0.0, volume - mouth * length);
+  const double shape = std::clamp(kPile + kSpreading * std::log(flow.reynolds), kHalfBall, kPuddle);
+  return 2 * mouth + (kNozzleLength * spacing + length) * 4 * std::sqrt(mouth) +
+         shape * std::pow(piled_up, 2.0 / 3.0);
 }
 
-double surface_vertices(const Scene& scene) {
+/// Edge^2 of the mesh [m2].
+double cell_area(const Scene& scene) {
+  const double edge = scene.surface.edge_length * scene.surface.sigma * scene.fluid.spacing;
+  return edge * edge;
+}
+
+double smooth_vertices(double time, const Scene& scene, const Flow& flow) {
   double total = 0;
   for (const FluidBlock& block : scene.blocks)
     total += std::visit([](const auto& shape) { return area(shape); }, block.shape);
-  for (const Emitter& emitter : scene.fluid.emitters) total += nozzle_area(emitter, scene.fluid.spacing);
-  const double edge = scene.surface.edge_length * scene.surface.sigma * scene.fluid.spacing;
-  return kVerticesPerCell * kSurfaceGrowth * total / (edge * edge);
+  for (const Emitter& emitter : scene.fluid.emitters) total += stream_area(emitter, time, scene, flow);
+  return kVerticesPerCell * total / cell_area(scene);
+}
+
+/// Of what has been torn: nothing until the liquid could have fallen as deep as its energy says, then soon
+/// the most, which a stream keeps up and a single fall does not.
+double torn_vertices(double time, double particles, const Scene& scene, const Flow& flow) {
+  if (!(flow.splash > 0) || !scene.surface.remesh || !scene.surface.topology) return 0;
+  const double begin = std::sqrt(2 * flow.energy) / scene.fluid.gravity.norm();
+  const double progress = std::max(0.0, time / begin - 1) / (kSplashPeak);
+  const double risen = progress >= 1 && !scene.fluid.emitters.empty() ? 1 : progress * std::exp(1 - progress);
+  const double density =
+      scene.surface.weights == WeightRule::normalised ? kVerticesPerNormalisedShred : kVerticesPerShred;
+  return density * flow.splash * risen * particles * scene.fluid.spacing * scene.fluid.spacing /
+         cell_area(scene);
 }
 
 int stages(TimeIntegrator integrator) {
   return integrator == TimeIntegrator::euler ? 1 : integrator == TimeIntegrator::rk2 ? 2 : 4;
 }
 
-double tracker_seconds(const Scene& scene, double vertices, double steps) {
+/// What grows with the particles within sigma.
+double neighbourhood(const Scene& scene) {
+  return std::pow(scene.surface.sigma / 2, 3);
+}
+
+double velocity_seconds(const Scene& scene, std::string_view method) {
+  for (const Named<double>& known : kVelocitySeconds)
+    if (known.name == method) return known.value * (method == "regional" ? 1 : neighbourhood(scene));
+  return 1e-6;
+}
+
+/// A step of all surfaces at a vertex.
+double tracker_seconds_per_vertex(const Scene& scene) {
   const TrackerOptions& tracker = scene.surface.tracker;
-  const double a_vertex = stages(tracker.integrator) * kTrackerSecondsPerVertexStage +
-                          (tracker.fairing.iterations + 1) * kTrackerSecondsPerVertexFairing;
-  return vertices * static_cast<double>(scene.surface.methods.size()) * steps / scene.surface.stride *
-         a_vertex;
+  const double fairing = (kSecondsPerFairing + tracker.fairing.iterations * kSecondsPerFairingIteration) *
+                         std::sqrt(neighbourhood(scene));
+  double total = 0;
+  for (const std::string& method : scene.surface.methods)
+    total += stages(tracker.integrator) * velocity_seconds(scene, method) + fairing +
+             (scene.surface.remesh ? kSecondsPerMending : 0);
+  return total;
+}
+
+/// Changes of topology of one surface for a second of simulated time. They come the oftener the faster the
+/// liquid moves, in spacings; the more shreds there are, the more meet; a stream folds.
+double topology_seconds(double smooth, double torn, const Scene& scene, const Flow& flow) {
+  if (!scene.surface.remesh || !scene.surface.topology) return 0;
+  const double motion = std::sqrt(2 * flow.energy) / scene.fluid.spacing;
+  const double folding =
+      scene.fluid.emitters.empty()
+          ? 0
+          : kStreamRegionsPerMotion * std::pow(std::min(flow.reynolds, kMostFolding), kFoldingPower);
+  return kSecondsPerRegionVertex * motion * (kRegionsPerMotion * torn * torn + folding * smooth * smooth);
+}
+
+double viscous_iterations(double step, double particles, const Scene& scene) {
+  const double h = scene.fluid.spacing;
+  double viscosity = scene.fluid.kinematic_viscosity;
+  for (const double other : scene.fluid.more_viscosities) viscosity = std::max(viscosity, other);
+  return std::min({kViscousIterations * std::sqrt(viscosity * step) / h, kCrossings * std::cbrt(particles),
+                   static_cast<double>(scene.fluid.max_viscosity_iterations)});
+}
+
+/// What the run does and how long that takes, summed up frame by frame.
+void add_work(const Scene& scene, const FluidParticlesAtStart& start, const Flow& flow, int threads,
+              SceneEstimate& result) {
+  const double frame_time = 1 / scene.output.frames_per_second,
+               methods = static_cast<double>(scene.surface.methods.size()),
+               first = smooth_vertices(0, scene, flow), vertex_step = tracker_seconds_per_vertex(scene);
+  double shared = static_cast<double>(result.boundary_particles) * kSecondsPerBoundaryParticle +
+                  first * kSecondsPerFirstVertex,
+         output = 0;
+  const double frames = std::ceil(scene.duration / frame_time - 1e-9);
+  const int spans = whole_within<int>(frames, 1, kMostSpans);  // of a frame each, as a rule
+  const double lasting = scene.duration / spans;
+  for (int span = 0; span < spans; ++span) {
+    const double middle = (span + 0.5) * lasting;
+    const double steps = std::ceil(lasting / time_step_at(middle, scene, flow) - 1e-9);
+    const double particles = particles_at(middle, scene, start);
+    const double smooth = smooth_vertices(middle, scene, flow),
+                 torn = torn_vertices(middle, particles, scene, flow), vertices = smooth + torn;
+    const double tracker_steps = std::ceil(steps / scene.surface.stride);
+    result.steps += steps;
+    result.particle_steps += steps * particles;
+    result.vertices = std::max(result.vertices, vertices);
+    shared += steps * particles *
+              (kSolverSecondsPerParticleStep +
+               viscous_iterations(lasting / steps, particles, scene) * kSecondsPerViscousIteration);
+    shared += tracker_steps * vertices * vertex_step +
+              methods * lasting * topology_seconds(smooth, torn, scene, flow);
+    shared += tracker_steps * first * stages(scene.surface.tracker.integrator) *
+              velocity_seconds(scene, "material");
+    output += frames / spans *
+              (particles * kOutputSecondsPerParticle + methods * vertices * kOutputSecondsPerVertex);
+  }
+  result.seconds = shared * (1 - kParallelShare + kParallelShare / threads) + output;
 }
 
 /// As a number of things, at most 2^53: of walls a million kilometres long there would be more.
@@ -136,26 +355,14 @@ SceneEstimate estimate(const Scene& scene, int threads) {
   const FluidParticlesAtStart start = fill_blocks(scene);
   double wall_area = 0;
   for (const TriangleSurface& wall : walls) wall_area += area_and_volume(wall.vertices, wall.triangles).area;
-  double emitted = 0;
-  for (const Emitter& emitter : scene.fluid.emitters) emitted += emitted_particles(emitter, scene);
-  const double at_end = static_cast<double>(start.position.size()) + emitted;
-  const double particles = at_end - emitted / 2;  // in the mean, for an emitter that runs all the time
+  const double particles = particles_at(scene.duration, scene, start);
   const double boundary = kBoundaryParticlesPerCell * wall_area / (scene.fluid.spacing * scene.fluid.spacing);
-  const double methods = static_cast<double>(scene.surface.methods.size()),
-               vertices = surface_vertices(scene);
-  const double frames = scene.duration * scene.output.frames_per_second + 1;
-  const double steps = solver_steps(scene, fastest_speed(scene, start, walls));
-
-  const double one_core =
-      steps * particles * kSolverSecondsPerParticleStep + tracker_seconds(scene, vertices, steps);
   SceneEstimate result;
   result.particles = start.position.size();
-  result.emitted = count(emitted);
+  result.emitted = count(particles - static_cast<double>(start.position.size()));
   result.boundary_particles = count(std::round(boundary));
-  result.memory_bytes = count(memory(scene, at_end, boundary, vertices));
-  result.seconds =
-      one_core * (1 - kParallelShare + kParallelShare / threads) +
-      frames * (particles * kOutputSecondsPerParticle + methods * vertices * kOutputSecondsPerVertex);
+  add_work(scene, start, flow_of(scene, start, particles, walls), threads, result);
+  result.memory_bytes = count(memory(scene, particles, boundary, result.vertices));
   return result;
 }
 

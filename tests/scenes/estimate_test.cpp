@@ -62,5 +62,104 @@ TEST(Estimate, WithoutWallsOrGravityStaysFinite) {
   EXPECT_TRUE(std::isfinite(estimate(scene, 1).seconds));
 }
 
+// A stream that piles up and folds.
+constexpr const char* kPour = R"(
+duration = 0.8
+[fluid]
+spacing = 0.005
+density = 1050.0
+dynamic_viscosity = 3.0
+[[fluid.emitter]]
+shape = "disc"
+position = [0.0, 0.12, 0.0]
+direction = [0.0, -1.0, 0.0]
+radius = 0.012
+speed = 0.5
+[[wall]]
+shape = "basin"
+lower = [-0.06, 0.0, -0.06]
+upper = [0.06, 0.05, 0.06]
+thickness = 0.02
+[surface]
+methods = ["regional"]
+)";
+
+constexpr const char* kDropIntoAPool = R"(
+duration = 0.5
+[fluid]
+spacing = 0.02
+kinematic_viscosity = 1e-5
+[[fluid.block]]
+shape = "box"
+lower = [-0.3, 0.0, -0.2]
+upper = [0.3, 0.12, 0.2]
+[[fluid.block]]
+shape = "sphere"
+center = [0.0, 0.35, 0.0]
+radius = 0.1
+velocity = [0.0, -1.5, 0.0]
+[[wall]]
+shape = "basin"
+lower = [-0.3, 0.0, -0.2]
+upper = [0.3, 0.5, 0.2]
+thickness = 0.08
+[output]
+frames_per_second = 50.0
+)";
+
+Scene shipped(const std::string& name) {
+  return load_scene(KAPPAFLOW_SOURCE_DIR "/scenes/" + name + ".toml");
+}
+
+void expect_within_a_factor_of_two(double estimated, double recorded, const char* what) {
+  EXPECT_GT(estimated, recorded / 2) << what;
+  EXPECT_LT(estimated, recorded * 2) << what;
+}
+
+// What runs on one thread took: steps, vertices of the first method's surface at their most, and the
+// processor's seconds on the machine that estimate.cpp speaks of.
+TEST(Estimate, IsWithinAFactorOfTwoOfWhatRunsTook) {
+  struct Recorded {
+    const char* name;
+    Scene scene;
+    double steps, vertices, seconds;
+  };
+  Scene first_second = shipped("staircase");
+  first_second.duration = 1;
+  for (const auto& [name, scene, steps, vertices, seconds] :
+       {Recorded{"staircase-small", shipped("staircase-small"), 85, 1233, 1.9},
+        Recorded{"staircase, 1 s", first_second, 266, 7118, 66},
+        Recorded{"honey", shipped("honey"), 752, 4199, 31},
+        Recorded{"splash", shipped("splash"), 388, 15705, 144},
+        Recorded{"pour", parse_scene(kPour, "pour.toml"), 515, 3033, 18},
+        Recorded{"drop", parse_scene(kDropIntoAPool, "drop.toml"), 152, 7051, 14}}) {
+    SCOPED_TRACE(name);
+    const SceneEstimate result = estimate(scene, 1);
+    expect_within_a_factor_of_two(result.steps, steps, "steps");
+    expect_within_a_factor_of_two(result.vertices, vertices, "vertices");
+    expect_within_a_factor_of_two(result.seconds, seconds, "seconds");
+  }
+}
+
+TEST(Estimate, CountsWhatEmittersMakeFromTheirStartOn) {
+  Scene scene = parse_scene(kPour, "pour.toml");
+  const double steady = estimate(scene, 1).particle_steps / estimate(scene, 1).steps;
+  EXPECT_NEAR(steady, 1312 / 2.0, 150) << "half of those at the end, in the mean";
+  scene.fluid.emitters[0].end = 0.2;
+  EXPECT_NEAR(estimate(scene, 1).particle_steps / estimate(scene, 1).steps, 1312 / 4.0 * 7 / 8, 60);
+}
+
+// The same column of something thicker, and of water that does not fall, stays whole.
+TEST(Estimate, ThinLiquidThatFallsIsTorn) {
+  Scene scene = shipped("splash");
+  const double torn = estimate(scene, 1).vertices;
+  scene.fluid.kinematic_viscosity = 1;
+  const double whole = estimate(scene, 1).vertices;
+  EXPECT_GT(torn, 4 * whole);
+  scene.fluid.kinematic_viscosity = 1e-4;
+  scene.fluid.gravity = Vec3::Zero();
+  EXPECT_EQ(estimate(scene, 1).vertices, whole);
+}
+
 }  // namespace
 }  // namespace kappaflow
