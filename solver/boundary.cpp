@@ -20,6 +20,9 @@ namespace {
 // they do, and its pressure be wrong by as much.
 constexpr float kVolumeRatio = 8;
 
+// Smaller distances from a wall's particle are taken for this one, in spacings: friction has no bound.
+constexpr float kLeastWallDistance = 1e-3f;
+
 /// Sum of the kernel over a square lattice in a plane through one of its points. A wall of such particles
 /// with volumes spacing^3 continues a cubic lattice of liquid without a jump in density.
 float square_lattice_sum(const CubicSpline& kernel, float spacing) {
@@ -145,7 +148,7 @@ Walls::Contact Walls::contact(const Body& body, const Vec4f& x) const {
       // Samples that face away are the other side of a thin wall.
       if (r2 >= support * support || d.head<3>().dot(body.normal[b]) < -spacing_) continue;
       const float r = std::sqrt(r2), volume = body.position[b][3];
-      const float friction = volume / r;
+      const float friction = volume / std::max(r, kLeastWallDistance * spacing_);
       sum.touches = true;
       sum.density += volume * kernel_.value(r);
       sum.gradient += volume * kernel_.gradient_factor(r) * d;
