@@ -69,7 +69,9 @@ std::vector<std::array<Vec3, 7>> pseudonormals(const TriangleSurface& surface) {
   return normals;
 }
 
-void check(const TriangleSurface& surface) {
+}  // namespace
+
+void check_surface(const TriangleSurface& surface) {
   for (const Vec3& vertex : surface.vertices)
     if (!vertex.allFinite()) throw InvalidInput("wall: a vertex is not finite");
   const std::size_t vertices = surface.vertices.size();
@@ -79,10 +81,8 @@ void check(const TriangleSurface& surface) {
         throw InvalidInput(fmt::format("wall: a triangle names vertex {}; there are {}", v, vertices));
 }
 
-}  // namespace
-
 SolidDistance::SolidDistance(const TriangleSurface& surface) {
-  check(surface);
+  check_surface(surface);
   const std::vector<Normals> normals = pseudonormals(surface);
   std::vector<TriangleTree::Corners> corners;
   for (std::size_t t = 0; t < normals.size(); ++t) {

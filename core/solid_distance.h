@@ -19,10 +19,13 @@ struct SurfacePoint {
   double distance = 0;  ///< from the given point: positive outside the solid, negative inside [m]
 };
 
+/// Throws InvalidInput for a vertex index out of range, or a vertex that is not finite.
+void check_surface(const TriangleSurface& surface);
+
 /// Distance to one closed triangle surface that is oriented outward and whose neighbouring triangles share
 /// their vertices by index, through a tree of bounding boxes. The side is told by the angle-weighted
-/// pseudonormal of the nearest face, edge or vertex (Baerentzen & Aanaes 2005). Triangles without area are
-/// ignored.
+/// pseudonormal of the nearest face, edge or vertex (Baerentzen & Aanaes 2005): that of a surface that does
+/// not pass through itself; solids_of() parts one whose pieces do. Triangles without area are ignored.
 class SolidDistance {
  public:
   /// Throws InvalidInput for a vertex index out of range, a vertex that is not finite, or no triangle with an

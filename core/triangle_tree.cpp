@@ -6,7 +6,6 @@ namespace kappaflow {
 namespace {
 
 constexpr int kLeafTriangles = 4;
-constexpr std::size_t kMaxTreeDepth = 64;  // the median split halves the triangles, so 2^64 would fit
 
 }  // namespace
 
@@ -47,7 +46,7 @@ void TriangleTree::split(std::uint32_t begin, std::uint32_t end, const Node& nod
 
 TriangleTree::Nearest TriangleTree::nearest(const Vec3& x) const {
   Nearest best{0, {}, kInfinity};
-  std::array<std::uint32_t, kMaxTreeDepth> stack{0};
+  std::array<std::uint32_t, kMaxDepth> stack{0};
   for (std::size_t size = 1; size > 0;) {
     const std::uint32_t index = stack[--size];
     const Node& node = nodes_[index];

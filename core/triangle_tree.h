@@ -29,6 +29,11 @@ class TriangleTree {
   /// alone. May be called from many threads.
   Nearest nearest(const Vec3& x) const;
 
+  /// Calls visit(number) for every triangle whose box meets the one from lower to upper, and for others near.
+  /// May be called from many threads.
+  template <class Visit>
+  void visit_near(const Vec3& lower, const Vec3& upper, const Visit& visit) const;
+
  private:
   struct Leaf {
     Corners corner;
@@ -44,11 +49,29 @@ class TriangleTree {
     }
   };
 
+  static constexpr std::size_t kMaxDepth = 64;  // the median split halves the triangles, so 2^64 would fit
+
   void build(std::uint32_t begin, std::uint32_t end);
   void split(std::uint32_t begin, std::uint32_t end, const Node& node);
 
   std::vector<Leaf> leaves_;
   std::vector<Node> nodes_;
 };
+
+template <class Visit>
+void TriangleTree::visit_near(const Vec3& lower, const Vec3& upper, const Visit& visit) const {
+  std::array<std::uint32_t, kMaxDepth> stack{0};
+  for (std::size_t size = 1; size > 0;) {
+    const std::uint32_t index = stack[--size];
+    const Node& node = nodes_[index];
+    if ((node.lower.array() > upper.array()).any() || (lower.array() > node.upper.array()).any()) continue;
+    if (node.second != 0) {
+      stack[size++] = node.second;
+      stack[size++] = index + 1;
+      continue;
+    }
+    for (std::uint32_t f = node.begin; f < node.end; ++f) visit(leaves_[f].number);
+  }
+}
 
 }  // namespace kappaflow

@@ -14,6 +14,7 @@
 #include <iterator>
 #include <numeric>
 
+#include "core/solids.h"
 #include "scenes/mesh_parsers.h"
 #include "scenes/scene.h"
 #include "surface/mesh/mesh_measures.h"
@@ -124,6 +125,8 @@ TriangleSurface closed_surface(const std::filesystem::path& file) {
   if (volume == 0) throw InvalidInput("encloses no volume");
   if (volume < 0)
     for (Triangle& t : surface.triangles) std::swap(t[1], t[2]);
+  check_crossings(surface);
+  solids_of(surface);  // throws where a piece faces inward that is no cavity
   return surface;
 }
 

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "core/parallel.h"
-#include "core/solid_distance.h"
+#include "core/solids.h"
 
 namespace kappaflow {
 namespace {
@@ -194,10 +194,10 @@ std::vector<Vec3> lattice_points(const SphereShape& sphere, double spacing) {
 std::vector<Vec3> lattice_points(const TriangleSurface& solid, double spacing) {
   const BoxShape box = bounding_box(solid);
   const Vec3 cells = covering_cells(box, spacing);
-  const SolidDistance distance(solid);
+  const std::vector<SolidDistance> solids = solid_distances({&solid, 1});
   return lattice(box.lower + Vec3::Constant(spacing / 2),
                  {std::int64_t(cells[0]), std::int64_t(cells[1]), std::int64_t(cells[2])}, spacing,
-                 [&](const Vec3& x) { return distance.nearest(x).distance < 0; });
+                 [&](const Vec3& x) { return nearest_of_union(solids, x).distance < 0; });
 }
 
 }  // namespace kappaflow

@@ -27,9 +27,9 @@ double lattice_size(const SphereShape& sphere, double spacing);
 double lattice_size(const TriangleSurface& solid, double spacing);
 
 /// Points of a cubic lattice in the shape, x-fastest: in a box at lower + (i + 1/2) spacing with all cells
-/// inside the box, in a sphere at center + (i + 1/2) spacing no further than the radius, in a closed surface
-/// that is oriented outward at lower + (i + 1/2) spacing, with lower the corner of its bounding box, and
-/// inside.
+/// inside the box, in a sphere at center + (i + 1/2) spacing no further than the radius, in a closed surface,
+/// as solids_of() takes it, at lower + (i + 1/2) spacing, with lower the corner of its bounding box, and
+/// inside one of its solids.
 std::vector<Vec3> lattice_points(const BoxShape& box, double spacing);
 std::vector<Vec3> lattice_points(const SphereShape& sphere, double spacing);
 std::vector<Vec3> lattice_points(const TriangleSurface& solid, double spacing);

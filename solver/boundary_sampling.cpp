@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numeric>
 
 #include "core/cell_grid.h"
@@ -36,6 +37,25 @@ struct Candidates {
   const Vec3& normal_of(std::size_t i) const { return normal[face[i]]; }
 };
 
+/// Throws InvalidInput for walls with more candidates than can be told apart.
+void check_number_of_candidates(std::span<const TriangleSurface> walls, double step) {
+  constexpr double kMost = std::numeric_limits<std::uint32_t>::max();
+  double candidates = 0;
+  for (const TriangleSurface& wall : walls)
+    for (const auto& [i, j, k] : wall.triangles) {
+      const Vec3 &a = wall.vertices[i], &b = wall.vertices[j], &c = wall.vertices[k];
+      const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()}),
+                   height =
+                       (b - a).cross(c - a).norm() / std::max(longest, std::numeric_limits<double>::min());
+      candidates += (longest / step + 2) * (height / step + 2);
+    }
+  if (!(candidates <= kMost))
+    throw InvalidInput(
+        fmt::format("wall: so large that its particles would be chosen from {:.3g} places; "
+                    "at most {:.3g} are allowed, with a larger spacing or smaller walls",
+                    candidates, kMost));
+}
+
 /// Appends points that cover abc, its border included, no further than `step` apart in rows along its longest
 /// edge; moved `depth` against the face's normal.
 void append_rows(Vec3 a, Vec3 b, Vec3 c, double depth, double step, Candidates& candidates) {
@@ -60,6 +80,12 @@ void append_rows(Vec3 a, Vec3 b, Vec3 c, double depth, double step, Candidates& 
   }
 }
 
+/// Whether the face that a point lies `depth` under is covered there by another of several solids: no liquid
+/// touches it.
+bool is_covered(std::span<const SolidDistance> solids, const Vec3& x, const Vec3& normal, double depth) {
+  return solids.size() > 1 && nearest_of_union(solids, x + depth * normal).distance < -1e-3 * depth;
+}
+
 /// Whether a candidate is `depth` deep in the union, of which `nearest` is the nearest point: those below a
 /// convex edge are less, and would compress the liquid around it; those that another solid covers are more.
 bool is_at_depth(const SurfacePoint& nearest, const Vec3& normal, double depth) {
@@ -75,14 +101,18 @@ bool is_at_depth(const SurfacePoint& nearest, const Vec3& normal, double depth) 
 /// Removes the candidates that are not `depth` deep.
 void keep_at_depth(Candidates& candidates, std::span<const SolidDistance> solids, double depth) {
   std::vector<SurfacePoint> nearest;
+  std::vector<char> covered;
   std::size_t kept = 0;
   for (std::size_t begin = 0; begin < candidates.position.size(); begin += kBlock) {
     nearest.resize(std::min(kBlock, candidates.position.size() - begin));
+    covered.resize(nearest.size());
     parallel_for(nearest.size(), [&](std::size_t i) {
-      nearest[i] = nearest_of_union(solids, candidates.position[begin + i]);
+      const Vec3& x = candidates.position[begin + i];
+      nearest[i] = nearest_of_union(solids, x);
+      covered[i] = is_covered(solids, x, candidates.normal_of(begin + i), depth);
     });
     for (std::size_t i = 0; i < nearest.size(); ++i) {
-      if (!is_at_depth(nearest[i], candidates.normal_of(begin + i), depth)) continue;
+      if (covered[i] || !is_at_depth(nearest[i], candidates.normal_of(begin + i), depth)) continue;
       candidates.position[kept] = candidates.position[begin + i];
       candidates.face[kept++] = candidates.face[begin + i];
     }
@@ -129,12 +159,12 @@ std::vector<WallSample> poisson_disk_subset(const Candidates& candidates, double
 
 std::vector<WallSample> sample_walls(std::span<const TriangleSurface> walls,
                                      std::span<const SolidDistance> solids, double spacing) {
-  const double depth = kWallDepth * spacing;
+  const double depth = kWallDepth * spacing, step = kCandidateDistance * spacing;
+  check_number_of_candidates(walls, step);
   Candidates candidates;
   for (const TriangleSurface& wall : walls)
     for (const Triangle& t : wall.triangles)
-      append_rows(wall.vertices[t[0]], wall.vertices[t[1]], wall.vertices[t[2]], depth,
-                  kCandidateDistance * spacing, candidates);
+      append_rows(wall.vertices[t[0]], wall.vertices[t[1]], wall.vertices[t[2]], depth, step, candidates);
   keep_at_depth(candidates, solids, depth);
   return poisson_disk_subset(candidates, kMinDistance * spacing);
 }

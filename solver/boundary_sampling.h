@@ -28,8 +28,9 @@ inline bool opposite(const Vec3& normal, const Vec3& other) {
 /// Particles kWallDepth below the surface of the union of the solids: liquid then rests about half a spacing
 /// off the wall. A Poisson-disk set (dart throwing in a fixed pseudo-random
 /// order): no two under the same side are nearer than 0.6 spacing, and no place of the layer is further than
-/// about that from one. Faces that another solid covers get none. Throws InvalidInput where a wall is thinner
-/// than kThinnestWall.
+/// about that from one. Faces that another solid covers get none. walls: the surfaces of the solids. Throws
+/// InvalidInput where a wall is thinner than kThinnestWall, or for walls so large that the places where a
+/// particle may lie cannot be counted in 32 bits.
 std::vector<WallSample> sample_walls(std::span<const TriangleSurface> walls,
                                      std::span<const SolidDistance> solids, double spacing);
 

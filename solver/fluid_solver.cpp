@@ -9,6 +9,7 @@
 #include "core/errors.h"
 #include "core/parallel.h"
 #include "core/saved_state.h"
+#include "core/solids.h"
 #include "core/stopwatch.h"
 #include "solver/boundary.h"
 #include "solver/boundary_sampling.h"
@@ -94,8 +95,7 @@ std::vector<WallBody> wall_bodies(std::span<const TriangleSurface> walls, std::s
         group.push_back(walls[w]);
         done[w] = 1;
       }
-    const std::vector<SolidDistance> solids(group.begin(), group.end());
-    bodies.push_back({sample_walls(group, solids, spacing), motion});
+    bodies.push_back({sample_walls(group, solid_distances(group), spacing), motion});
   }
   return bodies;
 }
@@ -145,8 +145,7 @@ FluidSolver::FluidSolver(const FluidOptions& options, std::span<const Vec3> posi
                          std::span<const BodyMotion> motions, std::span<const std::uint8_t> fluid,
                          std::span<const int> source) {
   check_options(options);
-  const std::vector<SolidDistance> solids(walls.begin(), walls.end());
-  check_start(position, velocity, fluid, 1 + options.more_viscosities.size(), source, solids);
+  check_start(position, velocity, fluid, 1 + options.more_viscosities.size(), source, solid_distances(walls));
   state_ = std::make_unique<State>(
       options, Walls(wall_bodies(walls, motions, options.spacing), static_cast<float>(options.spacing)));
   state_->particles = particles_at_start(position, velocity, fluid, source);

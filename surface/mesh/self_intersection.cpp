@@ -1,19 +1,19 @@
-// A uniform grid finds the pairs; an edge crosses a triangle where it changes the side of its plane and the
-// edge sees the triangle's corners turn one way (signed volumes, Segura & Feito 2001).
+// A uniform grid finds the pairs.
 #include "surface/mesh/self_intersection.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <vector>
 
 #include "core/parallel.h"
+#include "core/triangle_crossing.h"
+#include "core/whole_within.h"
 
 namespace kappaflow {
 namespace {
 
-constexpr double kMostCells = 1048576;  // along an axis: three indices fit into 60 bits
+constexpr std::uint64_t kMostCells = 1048576;  // along an axis: three indices fit into 60 bits
 
 struct Box {
   Vec3 lower, upper;
@@ -23,18 +23,6 @@ struct Box {
 };
 
 using Corners = std::array<Vec3, 3>;
-
-double signed_volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
-  return (b - a).cross(c - a).dot(d - a);
-}
-
-bool crosses(const Vec3& p, const Vec3& q, const Corners& t) {
-  const double side_p = signed_volume(t[0], t[1], t[2], p), side_q = signed_volume(t[0], t[1], t[2], q);
-  if (!(side_p * side_q < 0)) return false;
-  const double a = signed_volume(p, q, t[0], t[1]), b = signed_volume(p, q, t[1], t[2]),
-               c = signed_volume(p, q, t[2], t[0]);
-  return (a > 0 && b > 0 && c > 0) || (a < 0 && b < 0 && c < 0);
-}
 
 /// Triangles in the cells of a grid that their boxes meet.
 class TriangleGrid {
@@ -86,7 +74,7 @@ class TriangleGrid {
     }
     origin_ = lower;
     const double mean = size.maxCoeff() / static_cast<double>(std::max<std::size_t>(1, boxes_.size()));
-    cell_size_ = std::max(2 * mean, (upper - lower).maxCoeff() / kMostCells);
+    cell_size_ = std::max(2 * mean, (upper - lower).maxCoeff() / double{kMostCells});
   }
 
   void set_entries() {
@@ -108,8 +96,8 @@ class TriangleGrid {
   }
   Cell cell_of(const Vec3& x) const {
     const Vec3 cells = (x - origin_) / cell_size_;
-    return {static_cast<std::uint64_t>(cells[0]), static_cast<std::uint64_t>(cells[1]),
-            static_cast<std::uint64_t>(cells[2])};
+    const auto index = [&](int a) { return whole_within<std::uint64_t>(cells[a], 0, kMostCells); };
+    return {index(0), index(1), index(2)};
   }
   static std::uint64_t key(const Cell& cell) { return cell[0] << 42 | cell[1] << 21 | cell[2]; }
 
@@ -121,24 +109,9 @@ class TriangleGrid {
         if (!box_a.meets(box_b)) continue;
         // A pair may meet in several cells; it counts in the one that holds their boxes' common lower corner.
         if (key(cell_of(box_a.lower.cwiseMax(box_b.lower))) != entries_[a].cell) continue;
-        if (intersect(entries_[a].triangle, entries_[b].triangle))
-          visit(entries_[a].triangle, entries_[b].triangle);
+        const int s = entries_[a].triangle, t = entries_[b].triangle;
+        if (triangles_cross(position_, triangles_[s], triangles_[t])) visit(s, t);
       }
-  }
-
-  bool intersect(int a, int b) const { return edges_cross(a, b) || edges_cross(b, a); }
-
-  /// Whether an edge of a that has no vertex in common with b crosses b; false where they share two vertices.
-  bool edges_cross(int a, int b) const {
-    const Triangle &ta = triangles_[a], &tb = triangles_[b];
-    std::array<bool, 3> shared;
-    for (int i = 0; i < 3; ++i) shared[i] = std::ranges::find(tb, ta[i]) != tb.end();
-    const Corners at_b = corners(b);
-    for (int i = 0; i < 3; ++i) {
-      const int j = (i + 1) % 3;
-      if (!shared[i] && !shared[j] && crosses(position_[ta[i]], position_[ta[j]], at_b)) return true;
-    }
-    return false;
   }
 
   std::span<const Vec3> position_;

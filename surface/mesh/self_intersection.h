@@ -10,9 +10,7 @@ namespace kappaflow {
 
 /// The number of pairs of triangles that pass through each other: an edge of one crosses the inside of the
 /// other. Pairs that share an edge do not count (see folded_fraction()); of pairs that share one vertex, only
-/// the edges opposite to it can cross. In double precision and without a tolerance: where an edge meets a
-/// triangle's rim or lies in its plane within rounding, about 1e-15 of the coordinates, the answer may be
-/// either.
+/// the edges opposite to it can cross: see triangles_cross().
 std::size_t self_intersections(std::span<const Vec3> position, std::span<const Triangle> triangles);
 
 /// The triangles of these pairs, ascending, each once.

@@ -4,7 +4,11 @@
 #include <random>
 
 #include "core/errors.h"
+#include "core/solids.h"
 #include "solver/boundary_sampling.h"
+#include "solver/pressure.h"
+#include "solver/surface_tension.h"
+#include "solver/viscosity.h"
 #include "tests/solver/liquid.h"
 #include "tests/solver/shapes.h"
 
@@ -95,6 +99,66 @@ TEST(WallSamples, LeaveOutFacesThatAnotherSolidCovers) {
   for (const WallSample& s : sample_walls(walls, solids, kSpacing)) expect_at_depth(solids, s.position);
 }
 
+/// Several surfaces as one.
+TriangleSurface joined(const std::vector<TriangleSurface>& pieces) {
+  TriangleSurface all;
+  for (const TriangleSurface& piece : pieces) {
+    const int first = static_cast<int>(all.vertices.size());
+    all.vertices.insert(all.vertices.end(), piece.vertices.begin(), piece.vertices.end());
+    for (const auto& [a, b, c] : piece.triangles) all.triangles.push_back({first + a, first + b, first + c});
+  }
+  return all;
+}
+
+/// A step of height 0.4 at x = 0.5, in one piece.
+TriangleSurface step_surface() {
+  const std::vector<Vec2> profile{{0.5, 0}, {-1, 0}, {-1, -0.5}, {2, -0.5}, {2, 0.4}, {0.5, 0.4}};
+  TriangleSurface step;
+  for (const double z : {-1.0, 2.0})
+    for (const Vec2& p : profile) step.vertices.emplace_back(p.x(), p.y(), z);
+  for (int k = 0; k < 6; ++k) {
+    const int next = (k + 1) % 6;
+    step.triangles.insert(step.triangles.end(), {{k, next, next + 6}, {k, next + 6, k + 6}});
+    if (k > 0 && k < 5) step.triangles.insert(step.triangles.end(), {{0, k + 1, k}, {6, k + 6, k + 7}});
+  }
+  return step;
+}
+
+/// Mean density of a lattice of liquid in the corner of the step, over the particles that touch both walls.
+double density_in_corner(const std::vector<WallSample>& samples) {
+  const auto points = test::block({-0.3, 0, 0}, {0.5, 0.3, 1}, kSpacing);
+  const test::Liquid liquid(points, points, static_cast<float>(kSpacing), samples);
+  double sum = 0;
+  int count = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vec3 x = liquid.particles.position[i].head<3>().cast<double>();
+    if (x.x() < 0.5 - kSpacing || x.y() > kSpacing || x.z() < 0.15 || x.z() > 0.85) continue;
+    sum += static_cast<double>(liquid.particles.density[i]);
+    ++count;
+  }
+  EXPECT_EQ(count, 14);
+  return sum / count;
+}
+
+// Overlapping boxes in one surface, and one that lies in another, against the same step in one piece.
+TEST(WallSamples, OfOverlappingPiecesAreThoseOfTheirUnion) {
+  const std::vector<TriangleSurface> step{step_surface()};
+  const std::vector<TriangleSurface> pieces{
+      joined({box_surface({-1, -0.5, -1}, {2, 0, 2}), box_surface({0.5, -0.3, -1}, {2, 0.4, 2}),
+              box_surface({-0.4, -0.4, 0.2}, {0.3, -0.05, 0.6})})};
+  const auto of_step = sample_walls(step, distances(step), kSpacing),
+             of_pieces = sample_walls(pieces, solid_distances(pieces), kSpacing);
+  for (const WallSample& s : of_pieces) expect_at_depth(distances(step), s.position);
+  const auto count = [](const auto& samples) { return static_cast<double>(samples.size()); };
+  EXPECT_NEAR(count(of_pieces), count(of_step), 0.02 * count(of_step));
+  EXPECT_NEAR(density_in_corner(of_pieces), density_in_corner(of_step), 0.01);
+}
+
+TEST(WallSamples, RejectWallsThatAreTooLargeToCount) {
+  const std::vector<TriangleSurface> walls{box_surface({0, 0, 0}, {1e6, 1e6, 1})};
+  EXPECT_THROW(sample_walls(walls, distances(walls), kSpacing), InvalidInput);
+}
+
 TEST(WallSamples, RejectAWallThatIsTooThin) {
   const std::vector<TriangleSurface> walls{box_surface({0, 0, 0}, {1, 1.8 * kSpacing, 1})};
   EXPECT_THROW(sample_walls(walls, distances(walls), kSpacing), InvalidInput);
@@ -150,6 +214,34 @@ TEST(Walls, FrictionFollowsTheDistanceWhereLiquidRests) {
     for (const Vec4f& f : liquid.wall_sums.friction)
       mean += static_cast<double>(f[3]) / static_cast<double>(points.size());
     EXPECT_NEAR(mean * kSpacing * kSpacing * distance, 1, 0.07) << distance;
+  }
+}
+
+// Particles in the place of a wall's particle, and of each other.
+TEST(Walls, CoincidingParticlesGiveFiniteForces) {
+  const std::vector<TriangleSurface> walls{box_surface({-1, -0.5, -1}, {1, 0, 1})};
+  const auto samples = sample_walls(walls, distances(walls), kSpacing);
+  std::vector<Vec3> points;
+  for (std::size_t s = 0; s < samples.size(); s += 7) points.insert(points.end(), 2, samples[s].position);
+  std::vector<Vec3> velocity(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) velocity[i] = Vec3(i % 2 == 0 ? 1 : -1, 0.5, 0);
+  test::Liquid liquid(points, velocity, static_cast<float>(kSpacing), samples);
+  ASSERT_GT(points.size(), 100u);
+  FluidOptions options;
+  options.spacing = kSpacing;
+  options.surface_tension = 1;
+  SurfaceTension(options).apply(liquid.particles, liquid.lists, 1e-3f);
+  const ViscositySolve viscosity =
+      ViscositySolver(options).solve(liquid.particles, liquid.lists, liquid.wall_sums, 1e-3f);
+  EXPECT_LT(viscosity.residual, 1e-2);
+  PressureSolver pressure(options);
+  pressure.correct_density(liquid.particles, liquid.lists, liquid.wall_sums, 1e-3f);
+  pressure.correct_divergence(liquid.particles, liquid.lists, liquid.wall_sums, 1e-3f);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    ASSERT_TRUE(liquid.wall_sums.touches(i));
+    EXPECT_TRUE(liquid.wall_sums.friction[liquid.wall_sums.contact[i]].allFinite()) << i;
+    EXPECT_TRUE(std::isfinite(liquid.particles.density[i]) && liquid.particles.gradient_sum[i].allFinite());
+    EXPECT_TRUE(liquid.particles.velocity[i].allFinite()) << i;
   }
 }
 

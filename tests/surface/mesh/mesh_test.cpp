@@ -300,6 +300,8 @@ TEST(SelfIntersection, NoneInAnIsosurfaceAndSomeWhereAVertexIsPulledThrough) {
   mesh.position[0] *= -1.5;
   EXPECT_GT(self_intersections(mesh.position, mesh.triangles), 0u);
   EXPECT_EQ(self_intersections({}, {}), 0u);
+  EXPECT_EQ(self_intersections(std::vector<Vec3>(3, Vec3(1, 2, 3)), std::vector<Triangle>(2, {0, 1, 2})), 0u)
+      << "all in one point";
 }
 
 /// A sphere whose rest positions are map(position).
