@@ -34,7 +34,7 @@ struct Jet {
   Mat3 A_t = Mat3::Zero();  ///< of the Hessian [1/(m2 s)]
   double length_scale =
       0;  ///< sigma, averaged with weights w phi over what is in reach [m]; 0: nothing in reach
-  double fastest_in_reach = 0;  ///< largest speed of what makes the field here [m/s]; bounds |f_t|/|g|
+  double fastest_in_reach = 0;  ///< largest speed of what makes the field here [m/s]; bounds velocities
 };
 
 /// How far f is from being carried by its material where that is strained. If the material moves with the

@@ -22,7 +22,7 @@ void evaluate_curvature_only(const Field& field, const SurfacePoints& points, co
   evaluate_pointwise(field, points, result, [&](const Vec3& /*x*/, const Jet& jet) {
     const TangentBasis basis = tangent_basis(jet.g.normalized());
     const Vec3 v_n = normal_velocity(jet, options);
-    return with_tangential(v_n, basis, curvature_rows(jet, basis, v_n), field, options);
+    return with_tangential(v_n, basis, curvature_rows(jet, basis, v_n), jet, options);
   });
 }
 
@@ -32,7 +32,7 @@ void evaluate_curvature(const Field& field, const SurfacePoints& points, const V
     const TangentBasis basis = tangent_basis(jet.g.normalized());
     const Vec3 v_n = normal_velocity(jet, options);
     const TangentialRows<4> rows = stacked(total_rows(jet, basis, v_n), curvature_rows(jet, basis, v_n));
-    return with_tangential(v_n, basis, rows, field, options);
+    return with_tangential(v_n, basis, rows, jet, options);
   });
 }
 
@@ -51,7 +51,7 @@ void evaluate_curvature_first(const Field& field, const SurfacePoints& points, c
       const double share = std::pow(confidence(Q.col(k).norm(), kUndetermined * options.damping), 2);
       y += share * V.col(k).dot(by_curvature - by_total) * V.col(k);
     }
-    return PointVelocity{v_n + limited(basis * y, options.speed_limit * field.fastest_speed()),
+    return PointVelocity{v_n + limited(basis * y, options.speed_limit * jet.fastest_in_reach),
                          solve_damped(stacked(total, curvature), options.damping).confidence};
   });
 }

@@ -62,12 +62,12 @@ void evaluate_pointwise(const Field& field, const SurfacePoints& points, Surface
       kPointsPerTask);
 }
 
-/// Normal velocity plus the damped, limited solution of the tangential rows in the given basis.
+/// Normal velocity plus the damped, limited solution of the tangential rows of a jet in the given basis.
 template <int Rows>
 PointVelocity with_tangential(const Vec3& normal_velocity, const TangentBasis& basis,
-                              const TangentialRows<Rows>& rows, const Field& field,
+                              const TangentialRows<Rows>& rows, const Jet& jet,
                               const VelocityOptions& options) {
-  const double fastest = field.fastest_speed();
+  const double fastest = jet.fastest_in_reach;
   const TangentialMinimum minimum = minimise(rows, options.damping, fastest, options.minimiser);
   const Vec3 tangential = basis * minimum.y;
   return {normal_velocity + limited(tangential, options.speed_limit * fastest), minimum.confidence};

@@ -23,6 +23,7 @@ struct LocalMotion {
   std::vector<Vec3> normal;           // unit; zero where the field has no gradient
   std::vector<Vec3> normal_velocity;  // Eq. 4 [m/s]
   std::vector<double> length_scale;   // [m]; 0 where the field has no gradient
+  std::vector<double> fastest;        // speed in reach [m/s]
   std::vector<MotionEquations> equations;
 };
 
@@ -31,6 +32,7 @@ LocalMotion local_motion(const Field& field, std::span<const Vec3> position, con
   LocalMotion local{.normal = std::vector<Vec3>(n, Vec3::Zero()),
                     .normal_velocity = std::vector<Vec3>(n, Vec3::Zero()),
                     .length_scale = std::vector<double>(n, 0.0),
+                    .fastest = std::vector<double>(n, 0.0),
                     .equations = std::vector<MotionEquations>(n)};
   parallel_for(
       n,
@@ -41,6 +43,7 @@ LocalMotion local_motion(const Field& field, std::span<const Vec3> position, con
         local.normal[v] = jet.g.normalized();
         local.normal_velocity[v] = normal_velocity(jet, options);
         local.length_scale[v] = jet.length_scale;
+        local.fastest[v] = jet.fastest_in_reach;
         local.equations[v] = motion_equations(jet, strain, local.normal_velocity[v]);
       },
       kPointsPerTask);
@@ -62,22 +65,40 @@ std::vector<MotionEquations> patch_equations(const LocalMotion& local, const Sur
   return patches;
 }
 
+/// The fastest speed in reach of each sample's patch.
+std::vector<double> patch_fastest(const LocalMotion& local, const SurfaceSamples& samples) {
+  std::vector<double> fastest(samples.vertex.size(), 0.0);
+  for (std::size_t s = 0; s < fastest.size(); ++s)
+    for (const int v : samples.patch(s)) fastest[s] = std::max(fastest[s], local.fastest[v]);
+  return fastest;
+}
+
+/// What a window tells.
+struct Window {
+  AffineFit fit;
+  double fastest = 0;  // speed in reach of it [m/s]
+};
+
 /// Fits windows around points; one a thread.
 class WindowFit {
  public:
-  AffineFit operator()(const LocalMotion& local, const SurfaceSamples& samples,
-                       std::span<const MotionEquations> patches, const Vec3& x, int v) {
+  Window operator()(const LocalMotion& local, const SurfaceSamples& samples,
+                    std::span<const MotionEquations> patches, std::span<const double> fastest_of_patch,
+                    const Vec3& x, int v) {
     const double scale = local.length_scale[v];
     for (double radius = kRadius * scale;; radius *= kRadiusGrowth) {
       WindowSums sums(x);
+      double fastest = local.fastest[v];
       for (const int s : walk_.around(samples, x, samples.of_vertex[v], radius)) {
         const Vec3& y = samples.position[s];
         const double u = std::max(0.0, 1 - (y - x).squaredNorm() / (radius * radius));
         sums.add(patches[s], y, u * u);
+        fastest = std::max(fastest, fastest_of_patch[s]);
       }
       if (!(sums.weight() > 0)) sums.add(local.equations[v], x, 1);
       AffineFit fit = sums.solve(radius, local.normal[v]);
-      if (fit.determined >= kDetermined || radius * kRadiusGrowth > kLargestRadius * scale) return fit;
+      if (fit.determined >= kDetermined || radius * kRadiusGrowth > kLargestRadius * scale)
+        return {fit, fastest};
     }
   }
 
@@ -95,6 +116,7 @@ void evaluate_regional(const Field& field, const SurfacePoints& points, const Ve
   std::ranges::transform(local.length_scale, spacing.begin(), [](double L) { return kSampleSpacing * L; });
   const SurfaceSamples samples = surface_samples(points.position, points.rings, spacing);
   const std::vector<MotionEquations> patches = patch_equations(local, points, samples);
+  const std::vector<double> fastest_of_patch = patch_fastest(local, samples);
   result.velocity.assign(n, Vec3::Zero());
   result.confidence.assign(n, 0.0);
   tbb::enumerable_thread_specific<WindowFit> window_fit;
@@ -102,11 +124,10 @@ void evaluate_regional(const Field& field, const SurfacePoints& points, const Ve
       n,
       [&](std::size_t v) {
         if (!(local.length_scale[v] > 0)) return;
-        const AffineFit fit =
-            window_fit.local()(local, samples, patches, points.position[v], static_cast<int>(v));
+        const auto [fit, fastest] = window_fit.local()(local, samples, patches, fastest_of_patch,
+                                                       points.position[v], static_cast<int>(v));
         const Vec3 tangential = fit.velocity - fit.velocity.dot(local.normal[v]) * local.normal[v];
-        result.velocity[v] =
-            local.normal_velocity[v] + limited(tangential, options.speed_limit * field.fastest_speed());
+        result.velocity[v] = local.normal_velocity[v] + limited(tangential, options.speed_limit * fastest);
         result.confidence[v] = confidence(fit.determined, options.damping);
       },
       kPointsPerTask);

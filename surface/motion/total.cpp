@@ -15,7 +15,7 @@ void evaluate_total(const Field& field, const SurfacePoints& points, const Veloc
   evaluate_pointwise(field, points, result, [&](const Vec3& /*x*/, const Jet& jet) {
     const TangentBasis basis = tangent_basis(jet.g.normalized());
     const Vec3 v_n = normal_velocity(jet, options);
-    return with_tangential(v_n, basis, total_rows(jet, basis, v_n), field, options);
+    return with_tangential(v_n, basis, total_rows(jet, basis, v_n), jet, options);
   });
 }
 

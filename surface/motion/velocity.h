@@ -38,9 +38,9 @@ struct VelocityOptions {
   /// lambda of the damped least squares (R^T R + lambda^2 I) y = R^T b on the dimensionless rows. 0.1 suits
   /// flows, 1e-6 rigid bodies. `regional` scales its confidence with it and nothing else.
   double damping = 0.1;
-  /// |v_t| is limited to this factor times Field::fastest_speed(), and |v_n| to this factor times the fastest
-  /// speed in reach. In a rotation the surface is faster than any particle centre: use 4 for few rotating
-  /// particles.
+  /// |v_t| and |v_n| are limited to this factor times the fastest speed in reach, Jet::fastest_in_reach;
+  /// |v_t| of `regional` to that of its window. In a rotation the surface is faster than any particle centre:
+  /// use 4 for few rotating particles.
   double speed_limit = 1;
   Minimiser minimiser = Minimiser::closed_form;
 };

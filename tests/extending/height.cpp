@@ -15,7 +15,7 @@ void evaluate_height(const Field& field, const SurfacePoints& points, const Velo
     const Vec3 p = Vec3::UnitY() - n.y() * n;
     const double damped = p.squaredNorm() + options.damping * options.damping;
     const Vec3 v_t = -v_n.y() / damped * p;
-    return PointVelocity{v_n + limited(v_t, options.speed_limit * field.fastest_speed()), p.norm()};
+    return PointVelocity{v_n + limited(v_t, options.speed_limit * jet.fastest_in_reach), p.norm()};
   });
 }
 

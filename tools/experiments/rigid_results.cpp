@@ -104,7 +104,7 @@ std::string rigid_setting(const RigidExperiment& experiment) {
                 : fmt::format("{} steps over a distance of {:.3g} m. ", experiment.steps_per_cycle,
                               experiment.motion.velocity.norm());
   text += fmt::format(
-      "Damping {}, tangential speed limit {} times the fastest particle, projection to {} sigma. ",
+      "Damping {}, tangential speed limit {} times the fastest particle in reach, projection to {} sigma. ",
       experiment.tracker.velocity.damping, experiment.tracker.velocity.speed_limit,
       experiment.tracker.projection.tolerance);
   text += turns ? "Errors are distances of vertices from where the rigid motion takes them, in units of the "

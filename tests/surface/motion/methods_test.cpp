@@ -76,18 +76,47 @@ TEST(NormalVelocity, IsLimitedByTheFastestInReach) {
   EXPECT_LT((normal_velocity(jet, {.speed_limit = 1}) - Vec3(0, 0, -1)).norm(), 1e-14);
 }
 
+// What flies far away says nothing about how fast the surface here may be.
+TEST(VelocityMethods, AreLimitedByTheFastestInReachAlone) {
+  testing::Body body = testing::read_body_of_seven();
+  std::mt19937 random(1);
+  testing::set_velocities(body.particles, [&](const Vec3&) { return random_vector(random, 1); });
+  const std::vector<Vec3> points = surface_points(ParticleField(body.particles, body.threshold, 0), 200, 14);
+  body.particles.position.emplace_back(100, 0, 0);
+  body.particles.velocity.emplace_back(1000, 0, 0);
+  for (auto* array : {&body.particles.sigma, &body.particles.weight, &body.particles.weight_rate})
+    array->push_back(array->front());
+  const ParticleField field(body.particles, body.threshold, 0);
+  ASSERT_EQ(field.fastest_speed(), 1000);
+  for (const char* method : {"total", "curvature", "curvature-only", "curvature-first", "regional"}) {
+    const SurfaceVelocities result = velocities_at(field, method, points, {.damping = 1e-9});
+    int limited = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Jet jet = field.jet(points[i]);
+      const Vec3 n = jet.g.normalized();
+      const double along = (result.velocity[i] - result.velocity[i].dot(n) * n).norm();
+      EXPECT_LE(along, jet.fastest_in_reach * (1 + 1e-12)) << method;
+      limited += along > jet.fastest_in_reach * (1 - 1e-12);
+    }
+    EXPECT_GT(limited, 5) << method << ": nothing was to be limited";
+  }
+}
+
 // What a method promises: its own residuals vanish along the motion (Eqs. 5, 7 and 8).
 TEST(TotalVelocity, KeepsTheNormal) {
   const ParticleField field = tumbling_body();
   const std::vector<Vec3> points = surface_points(field, 100, 3);
   const SurfaceVelocities result = velocities_at(field, "total", points, kUndamped);
+  int determined = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (result.confidence[i] < 1 - 1e-12) continue;
+    ++determined;
     const Jet jet = field.jet(points[i]);
     const Vec3 g_rate = jet.A * result.velocity[i] + jet.g_t, n = jet.g.normalized();
     const double size = 1 + result.velocity[i].norm() * jet.A.norm();
     EXPECT_LT((g_rate - g_rate.dot(n) * n).norm(), 1e-9 * size);
   }
+  EXPECT_GT(determined, 90);
 }
 
 TEST(CurvatureOnlyVelocity, KeepsBothCurvatures) {
