@@ -134,6 +134,7 @@ class TrackedRun {
     components_max = std::max(components_max, topology.first);
     if (seen.empty() || seen.back() != topology) seen.push_back(topology);
     if (!same || mesh.triangles.empty()) return;
+    ++measured;
     distance_max = std::max({distance_max, distance(fine, mesh), distance(mesh, fine)});
   }
 
@@ -141,11 +142,11 @@ class TrackedRun {
   SurfaceTracker tracker;
   TopologyCounts counts;
   std::size_t unprojected = 0;
-  int steps = 0, frames = 0, intersecting = 0, components_max = 0;
+  int steps = 0, frames = 0, measured = 0, intersecting = 0, components_max = 0;
   int other_topology = 0;    // frames at which it was neither that of a fine nor of a coarse isosurface
   int other_on_lattice = 0;  // frames at which it was not the coarse one's on its lattice
   double angles_outside_max = 0;
-  double distance_max = 0;            // to the fine one, either way
+  double distance_max = 0;            // to the fine one, either way; in the frames that were measured
   std::vector<ComponentsGenus> seen;  // of the mesh, one entry a change
 };
 
@@ -166,6 +167,7 @@ TEST(Topology, TwoDropsMergeAndTheDumbbellPinchesOff) {
     EXPECT_EQ(run.counts.refused, 0u) << method;
     EXPECT_LE(run.counts.replaced, 6u) << method;
     EXPECT_LT(run.distance_max, 0.25 * kEdge) << method;
+    EXPECT_EQ(run.measured, run.frames) << method;
   }
 }
 
@@ -186,6 +188,7 @@ TEST(Topology, ATorusCloses) {
   EXPECT_EQ(run.intersecting, 0);
   EXPECT_EQ(run.unprojected, 0u);
   EXPECT_LT(run.distance_max, 0.25 * kEdge);
+  EXPECT_EQ(run.measured, run.frames);
 }
 
 TEST(Topology, DropsAreBornAndDie) {
@@ -206,6 +209,7 @@ TEST(Topology, DropsAreBornAndDie) {
   EXPECT_EQ(run.intersecting, 0);
   EXPECT_EQ(run.unprojected, 0u);
   EXPECT_LT(run.distance_max, 0.25 * kEdge);
+  EXPECT_EQ(run.measured, run.frames);
 }
 
 TEST(Topology, ASheetTearsOpenAndHeals) {
@@ -230,6 +234,7 @@ TEST(Topology, ASheetTearsOpenAndHeals) {
   EXPECT_EQ(run.other_on_lattice, 0);
   EXPECT_EQ(run.intersecting, 0);
   EXPECT_LT(run.distance_max, 0.25 * kEdge);
+  EXPECT_EQ(run.measured, run.frames);
 }
 
 /// How many random motions of 50 steps each; ctest -C long asks for many.
@@ -261,6 +266,7 @@ TEST(Topology, RandomMotions) {
     TrackedRun run(random_motion(seed, 16, 2), 0.4);
     run.advance(50, 0.02);
     EXPECT_LT(run.distance_max, 0.25 * kEdge) << seed;
+    EXPECT_GE(run.measured, 8) << seed;  // of 10 frames
     EXPECT_LT(run.angles_outside_max, 0.05) << seed;
     changes += run.seen.size() - 1;
     frames += run.frames;
@@ -285,6 +291,7 @@ TEST(Topology, HundredsOfPieces) {
   EXPECT_EQ(run.intersecting, 0);
   EXPECT_EQ(run.unprojected, 0u);
   EXPECT_LT(run.distance_max, 0.25 * kEdge);
+  EXPECT_GE(run.measured, 2);  // of 4: of so many pieces a speck is often seen by one lattice alone
   EXPECT_GT(run.counts.replaced, 100u);
 }
 
