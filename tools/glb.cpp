@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "core/errors.h"
 #include "tools/binary.h"
 
 namespace kappaflow {
@@ -41,27 +42,27 @@ struct Contents {
   int next = 0;
 };
 
-std::string ends_of(std::span<const Vec3> position) {
+std::string ends_of(std::span<const Vec3> position, const Vec3& origin) {
   Vec3f lower = Vec3f::Constant(std::numeric_limits<float>::max()), upper = -lower;
   for (const Vec3& x : position) {
-    lower = lower.cwiseMin(x.cast<float>());
-    upper = upper.cwiseMax(x.cast<float>());
+    lower = lower.cwiseMin((x - origin).cast<float>());
+    upper = upper.cwiseMax((x - origin).cast<float>());
   }
   return fmt::format(R"(,"min":[{:.9g},{:.9g},{:.9g}],"max":[{:.9g},{:.9g},{:.9g}])", lower[0], lower[1],
                      lower[2], upper[0], upper[1], upper[2]);
 }
 
-Contents contents_of(const TexturedMesh& mesh) {
+Contents contents_of(const TexturedMesh& mesh, const Vec3& origin) {
   Contents all;
   const std::size_t n = mesh.position.size();
-  const auto add_vectors = [&](std::span<const Vec3> vectors, const std::string& further) {
+  const auto add_vectors = [&](std::span<const Vec3> vectors, const Vec3& from, const std::string& further) {
     const std::size_t begin = all.bytes.size();
     for (const Vec3& v : vectors)
-      for (const double c : v) append(all.bytes, static_cast<float>(c));
+      for (const double c : Vec3(v - from)) append(all.bytes, static_cast<float>(c));
     all.describe(begin, kArrayBuffer, kFloat, "VEC3", n, further);
   };
-  add_vectors(mesh.position, ends_of(mesh.position));
-  add_vectors(mesh.normal, "");
+  add_vectors(mesh.position, origin, ends_of(mesh.position, origin));
+  add_vectors(mesh.normal, Vec3::Zero(), "");
   std::size_t begin = all.bytes.size();
   for (const Vec2& t : mesh.texture) {
     append(all.bytes, static_cast<float>(t[0]));
@@ -81,14 +82,20 @@ Contents contents_of(const TexturedMesh& mesh) {
   return all;
 }
 
-std::string json_of(const Contents& all) {
+/// Of the scene's only node. A number is written with as many digits as it takes to read it back.
+std::string translation_of(const Vec3& origin) {
+  if (origin.isZero(0)) return "";
+  return fmt::format(R"(,"translation":[{},{},{}])", origin[0], origin[1], origin[2]);
+}
+
+std::string json_of(const Contents& all, const Vec3& origin) {
   return fmt::format(
       R"({{"asset":{{"version":"2.0","generator":"kappaflow"}},"scene":0,"scenes":[{{"nodes":[0]}}],)"
-      R"("nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{"attributes":)"
+      R"("nodes":[{{"mesh":0{}}}],"meshes":[{{"primitives":[{{"attributes":)"
       R"({{"POSITION":0,"NORMAL":1,"TEXCOORD_0":2,"COLOR_0":3}},"indices":4,"material":0}}]}}],)"
       R"("materials":[{{"pbrMetallicRoughness":{{"metallicFactor":0,"roughnessFactor":0.6}}}}],)"
       R"("buffers":[{{"byteLength":{}}}],"bufferViews":[{}],"accessors":[{}]}})",
-      all.bytes.size(), all.views, all.accessors);
+      translation_of(origin), all.bytes.size(), all.views, all.accessors);
 }
 
 void append_chunk(std::string& bytes, std::uint32_t kind, const std::string& content) {
@@ -97,12 +104,38 @@ void append_chunk(std::string& bytes, std::uint32_t kind, const std::string& con
   bytes += content;
 }
 
+/// What positions are stored as distances from: single precision holds seven digits, of which a mesh far from
+/// the origin would waste most on where it is. The middle of such a mesh, as a number of single precision;
+/// else the origin itself.
+Vec3 far_origin(std::span<const Vec3> position) {
+  constexpr double kFar =
+      16;  // in sizes of the mesh: up to there its positions are right to a millionth of it
+  const Bounds box = bounding_box(position);
+  const Vec3 middle = (box.lower + box.upper) / 2;
+  if (!(middle.lpNorm<Eigen::Infinity>() > kFar * (box.upper - box.lower).maxCoeff())) return Vec3::Zero();
+  return middle.cast<float>().cast<double>();
+}
+
 }  // namespace
 
+void check_glb_size(std::size_t vertices, std::size_t triangles) {
+  constexpr std::size_t kBytesPerVertex = 3 * 4 + 3 * 4 + 2 * 4 + 4 * 2, kBytesPerTriangle = 3 * 4;
+  constexpr std::size_t kRest = 4096;  // what describes them takes less
+  constexpr std::size_t kMost = std::numeric_limits<std::uint32_t>::max() - kRest;
+  if (vertices > kMost / kBytesPerVertex ||
+      triangles > (kMost - vertices * kBytesPerVertex) / kBytesPerTriangle)
+    throw InvalidInput(
+        fmt::format("a .glb file holds at most 4 GiB: not a mesh of {} vertices and {} triangles; "
+                    ".ply and .obj have no such limit",
+                    vertices, triangles));
+}
+
 std::string glb_bytes(const TexturedMesh& mesh) {
+  check_glb_size(mesh.position.size(), mesh.triangles.size());
   const bool empty = mesh.triangles.empty();
-  const Contents all = empty ? Contents{} : contents_of(mesh);
-  std::string json = empty ? R"({"asset":{"version":"2.0","generator":"kappaflow"}})" : json_of(all);
+  const Vec3 origin = far_origin(mesh.position);
+  const Contents all = empty ? Contents{} : contents_of(mesh, origin);
+  std::string json = empty ? R"({"asset":{"version":"2.0","generator":"kappaflow"}})" : json_of(all, origin);
   json.resize((json.size() + 3) / 4 * 4, ' ');  // chunks are multiples of four bytes; that of arrays is one
   std::string chunks, bytes;
   append_chunk(chunks, kJson, json);

@@ -25,8 +25,9 @@ struct TexturedMesh {
   std::span<const Triangle> triangles;
 };
 
-/// The bytes of a file. OBJ: text, with v (position and colour), vt, vn, and f v/vt/vn. PLY: binary,
-/// little-endian, with x y z, nx ny nz, s t, red green blue. GLB: see glb_bytes().
+/// The bytes of a file. OBJ: text, with v (position and colour), vt, vn, and f v/vt/vn; positions to a
+/// billionth of the mesh's size, wherever it is, as far as double precision has it. PLY: binary,
+/// little-endian, with x y z in double precision, nx ny nz, s t, red green blue. GLB: see glb_bytes().
 std::string mesh_text(MeshFormat format, const TexturedMesh& mesh);
 
 }  // namespace kappaflow
