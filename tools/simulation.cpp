@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
+#include "core/whole_within.h"
 #include "scenes/shapes.h"
 
 namespace kappaflow {
@@ -31,7 +33,7 @@ TrackedSurfaces make_surfaces(const Scene& scene, const Particles& particles) {
   const ParticleFieldOptions options = field_options(scene.surface, scene.fluid.spacing, liquid);
   SurfaceDescription surface = scene.surface;
   surface.tracker.mending_interval =
-      std::max(1, static_cast<int>(kMendingPath / (scene.fluid.cfl * surface.stride)));
+      whole_within(kMendingPath / (scene.fluid.cfl * surface.stride), 1, std::numeric_limits<int>::max());
   return {particle_field(particles, options), options, surface, scene.file.string()};
 }
 

@@ -4,12 +4,16 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/whole_within.h"
+
 namespace kappaflow {
 namespace {
 
 constexpr std::array<double, 3> kCream{246, 229, 196};
 constexpr std::array<double, 3> kBlue{46, 106, 168};
 constexpr double kBrightnessRange = 0.22;  // of a colour: the darkest cube has 1 - kBrightnessRange of it
+
+constexpr std::int64_t kFarthestCube = std::int64_t{1} << 52;
 
 // Mixes all bits of a 64-bit number (Steele, Lea, Flood 2014: SplitMix64).
 std::uint64_t mixed(std::uint64_t bits) {
@@ -28,7 +32,7 @@ double cube_hash(const std::array<std::int64_t, 3>& cube) {
 
 Rgb checker_colour(const Vec3& x, double edge) {
   std::array<std::int64_t, 3> cube;
-  for (int a = 0; a < 3; ++a) cube[a] = static_cast<std::int64_t>(std::floor(x[a] / edge));
+  for (int a = 0; a < 3; ++a) cube[a] = whole_within(std::floor(x[a] / edge), -kFarthestCube, kFarthestCube);
   const bool odd = ((cube[0] + cube[1] + cube[2]) & 1) != 0;
   const double brightness = 1 - kBrightnessRange * cube_hash(cube);
   Rgb colour;

@@ -12,6 +12,7 @@
 #include "core/parallel.h"
 #include "core/quantile.h"
 #include "core/solid_distance.h"
+#include "core/whole_within.h"
 #include "surface/mesh/isosurface.h"
 #include "tools/frame_writer.h"
 #include "tools/interrupt.h"
@@ -75,10 +76,18 @@ double fast_speed(const Particles& particles) {
   return quantile(speed, kShareOfFast);
 }
 
-int steps_between(const Particles& before, const Particles& after, const ParticleFieldOptions& field) {
+/// name: of the sequence. Throws InvalidInput where the steps would never end.
+int steps_between(const Particles& before, const Particles& after, const ParticleFieldOptions& field,
+                  const std::string& name) {
+  constexpr int kMost = 1000000;
   const double speed = std::max({fast_speed(before), fast_speed(after), field.cloud_speed});
   const double motion = speed * (after.time - before.time) / (kMotionPerStep * field.sigma);
-  return std::max(1, static_cast<int>(std::ceil(motion)));
+  if (!(motion <= kMost))
+    throw InvalidInput(
+        fmt::format("{}: particles at {:.3g} m/s move {:.3g} sigma from the frame at {:.6g} s to "
+                    "the next; at most {:.3g} are allowed",
+                    name, speed, motion * kMotionPerStep, before.time, kMost * kMotionPerStep));
+  return whole_within(std::ceil(motion), 1, kMost);
 }
 
 /// Throws InvalidInput where a point cloud's surface moves too far between two frames.
@@ -171,8 +180,8 @@ RunSummary track_sequence(const TrackOptions& options, ParticleSequence& sequenc
       next = sequence.frame(k);
       motion = motion_from(now, next, k - 1);
     }
-    const int steps =
-        steps_between(now.particles, next.particles, options_between(sequence, k - 1, setup.field));
+    const int steps = steps_between(now.particles, next.particles,
+                                    options_between(sequence, k - 1, setup.field), sequence.name());
     const bool arrived = advance(surfaces, *motion, steps, [&](double time) {
       ++summary.steps;
       summary.interrupted_at = time;

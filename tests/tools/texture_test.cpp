@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <set>
 
 namespace kappaflow {
@@ -31,6 +32,11 @@ TEST(Checker, OneCubeHasOneColourAndCubesDiffer) {
   for (Vec3& x : moved) x += Vec3(0.5, 0.4, -0.4);
   EXPECT_EQ(checker_colours(moved, 1.0), colours);
   EXPECT_GT(std::set<Rgb>(colours.begin(), colours.end()).size(), 10u) << "brightness varies";
+}
+
+TEST(Checker, HasAColourAnywhere) {
+  const std::vector<Vec3> at{{1e300, -1e300, 0}, {HUGE_VAL, 0, 0}, {std::nan(""), 0, 0}};
+  EXPECT_EQ(checker_colours(at, 1e-3).size(), 3u);
 }
 
 TEST(TextureCoordinates, PlanarSpansTheBox) {
