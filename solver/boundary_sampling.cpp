@@ -12,6 +12,7 @@
 #include "core/cell_grid.h"
 #include "core/errors.h"
 #include "core/parallel.h"
+#include "core/solids.h"
 
 namespace kappaflow {
 namespace {
@@ -80,10 +81,24 @@ void append_rows(Vec3 a, Vec3 b, Vec3 c, double depth, double step, Candidates& 
   }
 }
 
-/// Whether the face that a point lies `depth` under is covered there by another of several solids: no liquid
-/// touches it.
-bool is_covered(std::span<const SolidDistance> solids, const Vec3& x, const Vec3& normal, double depth) {
-  return solids.size() > 1 && nearest_of_union(solids, x + depth * normal).distance < -1e-3 * depth;
+/// The boxes of all solids, wider by `margin`.
+std::vector<Eigen::AlignedBox3d> boxes_of_solids(std::span<const TriangleSurface> walls, double margin) {
+  std::vector<Eigen::AlignedBox3d> boxes;
+  for (const TriangleSurface& wall : walls)
+    for (const TriangleSurface& solid : solids_of(wall)) {
+      Eigen::AlignedBox3d& box = boxes.emplace_back();
+      for (const Vec3& x : solid.vertices) box.extend(x);
+      box = {box.min() - Vec3::Constant(margin), box.max() + Vec3::Constant(margin)};
+    }
+  return boxes;
+}
+
+/// Whether a point of a solid's surface is inside another solid, where no liquid touches it. boxes: a quick
+/// answer for most.
+bool is_covered(std::span<const SolidDistance> solids, std::span<const Eigen::AlignedBox3d> boxes,
+                const Vec3& x, double depth) {
+  if (std::ranges::count_if(boxes, [&](const auto& box) { return box.contains(x); }) < 2) return false;
+  return nearest_of_union(solids, x).distance < -1e-3 * depth;
 }
 
 /// Whether a candidate is `depth` deep in the union, of which `nearest` is the nearest point: those below a
@@ -99,7 +114,8 @@ bool is_at_depth(const SurfacePoint& nearest, const Vec3& normal, double depth) 
 }
 
 /// Removes the candidates that are not `depth` deep.
-void keep_at_depth(Candidates& candidates, std::span<const SolidDistance> solids, double depth) {
+void keep_at_depth(Candidates& candidates, std::span<const SolidDistance> solids,
+                   std::span<const Eigen::AlignedBox3d> boxes, double depth) {
   std::vector<SurfacePoint> nearest;
   std::vector<char> covered;
   std::size_t kept = 0;
@@ -109,7 +125,7 @@ void keep_at_depth(Candidates& candidates, std::span<const SolidDistance> solids
     parallel_for(nearest.size(), [&](std::size_t i) {
       const Vec3& x = candidates.position[begin + i];
       nearest[i] = nearest_of_union(solids, x);
-      covered[i] = is_covered(solids, x, candidates.normal_of(begin + i), depth);
+      covered[i] = is_covered(solids, boxes, x + depth * candidates.normal_of(begin + i), depth);
     });
     for (std::size_t i = 0; i < nearest.size(); ++i) {
       if (covered[i] || !is_at_depth(nearest[i], candidates.normal_of(begin + i), depth)) continue;
@@ -165,7 +181,7 @@ std::vector<WallSample> sample_walls(std::span<const TriangleSurface> walls,
   for (const TriangleSurface& wall : walls)
     for (const Triangle& t : wall.triangles)
       append_rows(wall.vertices[t[0]], wall.vertices[t[1]], wall.vertices[t[2]], depth, step, candidates);
-  keep_at_depth(candidates, solids, depth);
+  keep_at_depth(candidates, solids, boxes_of_solids(walls, 1e-3 * depth), depth);
   return poisson_disk_subset(candidates, kMinDistance * spacing);
 }
 
