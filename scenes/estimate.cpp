@@ -344,7 +344,7 @@ void add_work(const Scene& scene, const FluidParticlesAtStart& start, const Flow
 }
 
 /// As a number of things, at most 2^53: of walls a million kilometres long there would be more.
-std::size_t count(double number) {
+std::size_t whole_count(double number) {
   return whole_within<std::size_t>(number, 0, std::size_t{1} << 53);
 }
 
@@ -359,10 +359,10 @@ SceneEstimate estimate(const Scene& scene, int threads) {
   const double boundary = kBoundaryParticlesPerCell * wall_area / (scene.fluid.spacing * scene.fluid.spacing);
   SceneEstimate result;
   result.particles = start.position.size();
-  result.emitted = count(particles - static_cast<double>(start.position.size()));
-  result.boundary_particles = count(std::round(boundary));
+  result.emitted = whole_count(particles - static_cast<double>(start.position.size()));
+  result.boundary_particles = whole_count(std::round(boundary));
   add_work(scene, start, flow_of(scene, start, particles, walls), threads, result);
-  result.memory_bytes = count(memory(scene, particles, boundary, result.vertices));
+  result.memory_bytes = whole_count(memory(scene, particles, boundary, result.vertices));
   return result;
 }
 
