@@ -10,10 +10,9 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <numeric>
 
+#include "core/read_file.h"
 #include "core/solids.h"
 #include "scenes/mesh_parsers.h"
 #include "scenes/scene.h"
@@ -37,10 +36,7 @@ PolygonMesh parse(const std::filesystem::path& file) {
   std::error_code ignored;  // a file that cannot be examined is not a regular one
   if (!std::filesystem::is_regular_file(file, ignored))
     throw InvalidInput("is not there, or no regular file");
-  std::ifstream stream(file, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream) throw InvalidInput("cannot be read");
-  return parser(bytes);
+  return parser(read_file(file));
 }
 
 /// For every point the first one with the same coordinates, which must be finite.
@@ -140,6 +136,8 @@ TriangleSurface read_closed_mesh(const std::filesystem::path& file, const Source
   };
   try {
     return closed_surface(file);
+  } catch (const IoError&) {
+    throw located("cannot be read");
   } catch (const TopologyError& error) {
     throw located(fmt::format("is no solid: {}", error.what()));
   } catch (const InvalidInput& error) {

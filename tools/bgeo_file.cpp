@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cerrno>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <string_view>
 
@@ -26,7 +28,8 @@ enum AttributeType : std::uint32_t { kFloat = 0, kInteger = 1, kString = 4, kVec
 class BigEndianReader {
  public:
   explicit BigEndianReader(const fs::path& file) : file_(file), stream_(gzopen(file.c_str(), "rb")) {
-    if (stream_ == nullptr) throw IoError(file.string(), "cannot be read");
+    if (stream_ == nullptr)
+      throw IoError(file.string(), fmt::format("cannot be read ({})", std::strerror(errno)));
   }
 
   std::string text(std::size_t length) {
@@ -51,8 +54,12 @@ class BigEndianReader {
 
  private:
   void read(void* to, std::size_t bytes) {
-    if (gzread(stream_.get(), to, static_cast<unsigned>(bytes)) != static_cast<int>(bytes))
-      fail("it ends early");
+    if (gzread(stream_.get(), to, static_cast<unsigned>(bytes)) == static_cast<int>(bytes)) return;
+    int error = Z_OK;
+    gzerror(stream_.get(), &error);
+    if (error == Z_ERRNO)
+      throw IoError(file_.string(), fmt::format("cannot be read ({})", std::strerror(errno)));
+    fail(error == Z_DATA_ERROR ? "its compressed data are wrong" : "it ends early");
   }
 
   struct Close {

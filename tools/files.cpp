@@ -7,11 +7,9 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <fstream>
 #include <memory>
 #include <mutex>
 #include <set>
-#include <sstream>
 #include <system_error>
 
 #include "core/errors.h"
@@ -122,19 +120,6 @@ void cut_to_lines(const fs::path& path, std::size_t lines) {
   std::error_code error;
   fs::resize_file(path, size, error);
   if (error) fail(path, "cannot be cut back", error.value());
-}
-
-std::string read_file(const fs::path& path) {
-  check_readable(path);
-  std::ostringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
-}
-
-void check_readable(const fs::path& path) {
-  errno = 0;
-  const std::ifstream stream(path, std::ios::binary);
-  if (!stream || fs::is_directory(path)) fail(path, "cannot be read", errno != 0 ? errno : EISDIR);
 }
 
 void make_folder(const fs::path& path) {

@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "core/read_file.h"
+
 namespace kappaflow {
 
 /// Writes `content` to a temporary file beside `path` and renames it, so that nobody ever sees half of it.
@@ -40,12 +42,6 @@ void append_lines(const std::filesystem::path& path, std::string_view lines);
 
 /// Cuts what stands after the first `lines` lines. Throws IoError, also where the file has fewer whole lines.
 void cut_to_lines(const std::filesystem::path& path, std::size_t lines);
-
-/// Throws IoError.
-std::string read_file(const std::filesystem::path& path);
-
-/// Throws IoError where the file cannot be opened.
-void check_readable(const std::filesystem::path& path);
 
 /// Makes the folder and those above it. Throws IoError.
 void make_folder(const std::filesystem::path& path);

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,7 @@ using namespace kappaflow;
 
 constexpr int kExitUsage = 2;
 constexpr int kExitUnexpected = 1;
+constexpr int kExitFile = 5;
 
 void reject_repeated(const std::string& option, const std::vector<std::string>& names) {
   for (std::size_t i = 0; i < names.size(); ++i)
@@ -149,6 +151,9 @@ int main(int argc, char** argv) {
   } catch (const kappaflow::Error& error) {
     fmt::print(stderr, "kappaflow: error: {}\n", error.what());
     return error.exit_code();
+  } catch (const std::filesystem::filesystem_error& error) {
+    fmt::print(stderr, "kappaflow: error: {}: {}\n", error.path1().string(), error.code().message());
+    return kExitFile;
   } catch (const std::exception& error) {
     fmt::print(stderr, "kappaflow: error: {}\n", one_line(error.what()));
     return kExitUnexpected;

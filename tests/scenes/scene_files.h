@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/errors.h"
+#include "core/read_file.h"
 #include "scenes/scene.h"
 
 namespace kappaflow {
@@ -62,12 +63,6 @@ inline std::string load_error(const std::filesystem::path& file) {
   for (std::size_t at = message.find(folder); at != std::string::npos; at = message.find(folder))
     message.erase(at, folder.size());
   return message;
-}
-
-inline std::string read_file(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  EXPECT_TRUE(stream) << file;
-  return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 }  // namespace kappaflow

@@ -160,6 +160,7 @@ TEST_F(CommandLine, WrongFilesAreOneLine) {
   expect_one_line({{"probe", (folder / "none.csv").string(), "b.csv", "--threshold", "1"}, 5, "none.csv"});
   expect_one_line({{"run", kSmallScene, "--out", "/proc/kappaflow"}, 5, "/proc/kappaflow"});
   expect_one_line({{"render", folder.string(), "--out", "a.png"}, 5, "run.json: cannot be read"});
+  expect_one_line({{"experiment", "fig3", "--out", std::string(300, 'x')}, 5, "File name too long"});
   EXPECT_FALSE(std::filesystem::exists(folder / "r"));
 }
 

@@ -1,8 +1,11 @@
 #include "tools/files.h"
 
 #include "core/errors.h"
+#include "scenes/mesh_file.h"
+#include "scenes/scene.h"
 #include "tests/tools/full_disk.h"
 #include "tests/tools/scratch.h"
+#include "tools/input_frame.h"
 
 namespace kappaflow {
 namespace {
@@ -61,6 +64,29 @@ TEST_F(Files, CutsBackButNeverLengthens) {
   EXPECT_EQ(read_file(folder / "a"), "line 1\nline 2\n");
   cut_to_lines(folder / "a", 1);
   EXPECT_EQ(read_file(folder / "a"), "line 1\n");
+}
+
+/// A file whose first byte cannot be read, as on a disk that fails: nothing is mapped at address 0.
+TEST_F(Files, AFailedReadIsNotTheEndOfTheFile) {
+  fs::create_symlink("/proc/self/mem", folder / "bad");
+  EXPECT_EQ(message_of<IoError>([&] { read_file(folder / "bad"); }),
+            (folder / "bad").string() + ": cannot be read (Input/output error)");
+  EXPECT_EQ(message_of<IoError>([&] { read_file(folder); }),
+            folder.string() + ": cannot be read (Is a directory)");
+  for (const char* name : {"bad.vtk", "bad.vtp", "bad.vtu", "bad.csv", "bad.bgeo", "bad.hdf5"}) {
+    fs::create_symlink("/proc/self/mem", folder / name);
+    EXPECT_EQ(message_of<IoError>([&] { read_input_frame(folder / name); }),
+              (folder / name).string() + ": cannot be read (Input/output error)");
+  }
+  fs::create_symlink("/proc/self/mem", folder / "bad.toml");
+  EXPECT_EQ(
+      message_of<InvalidInput>([&] { load_scene(folder / "bad.toml"); }),
+      (folder / "bad.toml").string() + ": the file cannot be read; allowed: a readable scene file (.toml)");
+  fs::create_symlink("/proc/self/mem", folder / "bad.stl");
+  EXPECT_NE(message_of<InvalidInput>([&] {
+              read_closed_mesh(folder / "bad.stl", {"scene.toml", 3, 1});
+            }).find("bad.stl\" cannot be read; allowed: "),
+            std::string::npos);
 }
 
 TEST_F(Files, MissingPlacesAreReported) {
