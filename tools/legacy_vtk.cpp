@@ -4,8 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
+#include <cstdint>
+#include <optional>
 #include <utility>
 
 #include "core/errors.h"
@@ -16,6 +17,28 @@ namespace kappaflow {
 namespace {
 
 constexpr std::string_view kBlanks = " \t\r\n\v\f";
+
+NumberType number_type_named(const std::string& name) {
+  static constexpr Named<NumberType> kTypes[] = {
+      {"bit", NumberType::bit},
+      {"char", NumberType::int8},
+      {"signed_char", NumberType::int8},
+      {"unsigned_char", NumberType::uint8},
+      {"short", NumberType::int16},
+      {"unsigned_short", NumberType::uint16},
+      {"int", NumberType::int32},
+      {"unsigned_int", NumberType::uint32},
+      {"long", NumberType::int64},
+      {"unsigned_long", NumberType::uint64},
+      {"vtktypeint64", NumberType::int64},
+      {"vtktypeuint64", NumberType::uint64},
+      {"vtkidtype", NumberType::int32},  // as VTK writes it, whatever its size in memory
+      {"float", NumberType::float32},
+      {"double", NumberType::float64}};
+  for (const auto& known : kTypes)
+    if (known.name == name) return known.value;
+  throw InvalidInput(fmt::format("\"{}\" is no type of numbers", one_line(name, 30)));
+}
 
 /// The words, lines and numbers of the file, one after the other.
 class Cursor {
@@ -49,35 +72,13 @@ class Cursor {
           fmt::format("{} is \"{}\"; expected a whole number >= 0", what, one_line(found, 30)));
     return value;
   }
-  NumberType type() {
-    static constexpr Named<NumberType> kTypes[] = {
-        {"bit", NumberType::bit},
-        {"char", NumberType::int8},
-        {"signed_char", NumberType::int8},
-        {"unsigned_char", NumberType::uint8},
-        {"short", NumberType::int16},
-        {"unsigned_short", NumberType::uint16},
-        {"int", NumberType::int32},
-        {"unsigned_int", NumberType::uint32},
-        {"long", NumberType::int64},
-        {"unsigned_long", NumberType::uint64},
-        {"vtktypeint64", NumberType::int64},
-        {"vtktypeuint64", NumberType::uint64},
-        {"vtkidtype", NumberType::int32},  // as VTK writes it, whatever its size in memory
-        {"float", NumberType::float32},
-        {"double", NumberType::float64}};
-    const std::string name = lower_case(needed_word("the type of its numbers"));
-    for (const auto& known : kTypes)
-      if (known.name == name) return known.value;
-    throw InvalidInput(fmt::format("\"{}\" is no type of numbers", one_line(name, 30)));
-  }
+  /// What an array holds, in lower case.
+  std::string type() { return lower_case(needed_word("the type of its numbers")); }
+  NumberType number_type() { return number_type_named(type()); }
   /// tuples x components numbers of what `what` names.
   std::vector<double> numbers(NumberType type, std::size_t tuples, std::size_t components,
                               std::string_view what) {
-    const bool too_many =
-        components != 0 && tuples > 8 * rest_.size() / components;  // a bit at least for each
-    if (too_many) throw_short(what, tuples, components);
-    const std::size_t count = tuples * components;
+    const std::size_t count = checked_product(tuples, components, what);
     std::vector<double> values;
     if (binary_) {
       line();  // to the end of the line that says how many there are
@@ -93,23 +94,58 @@ class Cursor {
     }
     return values;
   }
-  /// What lies before the next empty line.
-  void skip_paragraph() {
+  /// The same; none of an array of strings or variants, which is passed over.
+  std::optional<std::vector<double>> values(const std::string& type, std::size_t tuples,
+                                            std::size_t components, std::string_view what) {
+    const bool strings = type == "string" || type == "utf8_string";
+    if (!strings && type != "variant") return numbers(number_type_named(type), tuples, components, what);
     line();
-    while (!rest_.empty() && !line().empty()) continue;
+    for (std::size_t left = checked_product(tuples, components, what); left > 0; --left) {
+      if (rest_.empty()) throw_in_texts(what);
+      if (strings && binary_)
+        skip_binary_string(what);
+      else
+        line();  // variants are text in all files
+    }
+    return std::nullopt;
+  }
+  /// What METADATA says of an array: up to an empty line, which names of components may have among them.
+  void skip_metadata(std::size_t components) {
+    line();
+    while (!rest_.empty()) {
+      const std::string keyword = lower_case(line());
+      if (keyword.empty()) return;
+      if (keyword != "component_names") continue;
+      for (std::size_t c = 0; c < components && !rest_.empty(); ++c) line();
+    }
   }
 
   bool binary() const { return binary_; }
-  bool next_line_begins_with(std::string_view text) const {
-    const std::size_t end = rest_.find('\n');
-    return end != std::string_view::npos && rest_.substr(end + 1).starts_with(text);
-  }
+  bool next_word_is(std::string_view keyword) const { return lower_case(Cursor(*this).word()) == keyword; }
 
  private:
   std::string_view cut(std::size_t bytes) {
     const std::string_view found = rest_.substr(0, bytes);
     rest_.remove_prefix(bytes);
     return found;
+  }
+  /// Of numbers or texts that the rest of the file can hold: a bit at least for each.
+  std::size_t checked_product(std::size_t tuples, std::size_t components, std::string_view what) const {
+    if (components != 0 && tuples > 8 * rest_.size() / components) throw_short(what, tuples, components);
+    return tuples * components;
+  }
+  /// Its length stands before it: the first two bits tell in how many bytes, big-endian.
+  void skip_binary_string(std::string_view what) {
+    const auto first = static_cast<unsigned char>(rest_[0]);
+    const std::size_t bytes = std::size_t{8} >> (first >> 6);
+    std::uint64_t length = first & 0x3F;
+    for (std::size_t i = 1; i < std::min(bytes, rest_.size()); ++i)
+      length = length << 8 | static_cast<unsigned char>(rest_[i]);
+    if (bytes > rest_.size() || length > rest_.size() - bytes) throw_in_texts(what);
+    cut(bytes + length);
+  }
+  [[noreturn]] static void throw_in_texts(std::string_view what) {
+    throw InvalidInput(fmt::format("ends in the texts of {}", one_line(what, 30)));
   }
   [[noreturn]] static void throw_short(std::string_view what, std::size_t tuples, std::size_t components) {
     throw InvalidInput(
@@ -177,7 +213,7 @@ class LegacyReader {
     else if (keyword == "cell_data")
       owner_ = Owner::cells, tuples_ = in_.count("the number of cells");
     else if (keyword == "metadata")
-      in_.skip_paragraph();
+      in_.skip_metadata(components_);
     else if (keyword == "field")
       read_field();
     else if (owner_ != Owner::file)
@@ -194,8 +230,9 @@ class LegacyReader {
 
   void read_points() {
     const std::size_t count = in_.count("the number of points");
-    const NumberType type = in_.type();
-    const std::vector<double> values = in_.numbers(type, count, 3, "POINTS");
+    const NumberType type = in_.number_type();
+    components_ = 3;
+    const std::vector<double> values = in_.numbers(type, count, components_, "POINTS");
     for (std::size_t i = 0; i < values.size(); i += 3)
       data_.position.emplace_back(values[i], values[i + 1], values[i + 2]);
   }
@@ -203,13 +240,13 @@ class LegacyReader {
   /// Up to version 5.0 cells and numbers, as many as said; then the two arrays of version 5.1.
   void skip_cells(std::string_view section) {
     const std::size_t first = in_.count("the number of cells"), second = in_.count("the size of the cells");
-    if (!in_.next_line_begins_with("OFFSETS ")) {
+    if (!in_.next_word_is("offsets")) {
       in_.numbers(NumberType::int32, second, 1, section);
       return;
     }
     for (const std::size_t count : {first, second}) {
       const std::string_view name = in_.needed_word("OFFSETS and CONNECTIVITY");
-      in_.numbers(in_.type(), count, 1, name);
+      in_.numbers(in_.number_type(), count, 1, name);
     }
   }
 
@@ -221,48 +258,49 @@ class LegacyReader {
           fmt::format("POINT_DATA are of {} points; there are {}", tuples_, data_.position.size()));
   }
 
-  void add(PointArray array) {
-    if (owner_ == Owner::points) data_.arrays.push_back(std::move(array));
-    if (owner_ == Owner::file) data_.fields.push_back(std::move(array));
+  /// The array that comes next, which goes where it belongs.
+  void read_array(std::string_view name, const std::string& type, std::size_t tuples,
+                  std::size_t components) {
+    components_ = components;
+    std::optional<std::vector<double>> values = in_.values(type, tuples, components, name);
+    if (!values || owner_ == Owner::cells) return;
+    (owner_ == Owner::points ? data_.arrays : data_.fields)
+        .push_back({decoded(name), components, std::move(*values)});
   }
 
   void read_field() {
     in_.needed_word("the name of a field");
     for (std::size_t left = in_.count("the number of arrays"); left > 0; --left) {
       std::string_view name = in_.needed_word("the arrays of a field");
-      while (name == "METADATA") {
-        in_.skip_paragraph();
+      while (lower_case(name) == "metadata") {
+        in_.skip_metadata(components_);
         name = in_.needed_word("the arrays of a field");
       }
-      PointArray array{decoded(name), in_.count("the number of components"), {}};
-      const std::size_t tuples = in_.count("the number of tuples");
-      array.values = in_.numbers(in_.type(), tuples, array.components, name);
-      add(std::move(array));
+      if (name == "NULL_ARRAY") continue;  // VTK's word for an array that is not there
+      const std::size_t components = in_.count("the number of components"),
+                        tuples = in_.count("the number of tuples");
+      read_array(name, in_.type(), tuples, components);
     }
   }
 
-  /// The components of an array that begins with the keyword; name and type are read where they come after
-  /// it.
+  /// An array that begins with the keyword; the number of its components and its type are read where they
+  /// come after the name.
   void read_attribute(std::string_view word, const std::string& keyword) {
     const std::string_view name = in_.needed_word("the name of an array");
-    PointArray array{decoded(name), 1, {}};
-    NumberType type = in_.binary() ? NumberType::uint8 : NumberType::float32;  // of colours
-    std::size_t tuples = tuples_;
-    if (keyword == "color_scalars") {
-      array.components = in_.count("the number of components");
-    } else if (keyword == "lookup_table") {
-      array.components = 4;
-      tuples = in_.count("the size of a lookup table");
+    const std::string colour = in_.binary() ? "unsigned_char" : "float";
+    if (keyword == "lookup_table") {
+      in_.values(colour, in_.count("the size of a lookup table"), 4, name);
+    } else if (keyword == "color_scalars") {
+      const std::size_t components = in_.count("the number of components");
+      read_array(name, colour, tuples_, components);
     } else if (keyword == "texture_coordinates") {
-      array.components = in_.count("the number of components");
-      type = in_.type();
+      const std::size_t components = in_.count("the number of components");
+      read_array(name, in_.type(), tuples_, components);
     } else {
-      array.components = components_of(word, keyword);
-      type = in_.type();
+      const std::size_t components = components_of(word, keyword);
+      const std::string type = in_.type();
+      read_array(name, type, tuples_, keyword == "scalars" ? read_rest_of_scalars() : components);
     }
-    if (keyword == "scalars") array.components = read_rest_of_scalars();
-    array.values = in_.numbers(type, tuples, array.components, name);
-    if (keyword != "lookup_table") add(std::move(array));
   }
 
   static std::size_t components_of(std::string_view word, const std::string& keyword) {
@@ -276,21 +314,19 @@ class LegacyReader {
 
   /// The number of components, which may be left out, and the name of the lookup table.
   std::size_t read_rest_of_scalars() {
-    Cursor rest(in_.line());
-    const std::string_view given = rest.word();
-    const double components = given.empty() ? 1 : number_from(given);
-    if (!(components == 1 || components == 2 || components == 3 || components == 4))
-      throw InvalidInput(fmt::format("SCALARS have {} components; expected 1 to 4", components));
+    const std::size_t components =
+        in_.next_word_is("lookup_table") ? 1 : in_.count("the number of components");
     if (lower_case(in_.needed_word("LOOKUP_TABLE")) != "lookup_table")
       throw InvalidInput("SCALARS without LOOKUP_TABLE after them");
     in_.needed_word("the name of the lookup table");
-    return static_cast<std::size_t>(components);
+    return components;
   }
 
   Cursor in_;
   PointData data_;
   Owner owner_ = Owner::file;
-  std::size_t tuples_ = 0;  // of the owner's arrays
+  std::size_t tuples_ = 0;      // of the owner's arrays
+  std::size_t components_ = 0;  // of the array that was read last
 };
 
 }  // namespace
