@@ -2,13 +2,42 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
 namespace kappaflow {
 
-/// The rows of a CSV file of finite numbers under a header line that must be exactly `header`, e.g. "x,y,z".
-/// Blank lines and carriage returns are skipped. Throws InvalidInput with file, line and column; IoError.
+/// A CSV file of finite numbers under a line that names its columns, as programs and people write them: cells
+/// between commas or semicolons, with or without quotes, blanks and a byte order mark; names in upper or
+/// lower case and any order, also ParaView's (Points:0 is x, velocity:0 is vx); lines that end with \n, \r\n
+/// or \r. Blank lines are skipped.
+class NumberTable {
+ public:
+  /// allowed: the headers that are, for messages. Throws InvalidInput where the file is UTF-16; IoError.
+  NumberTable(const std::filesystem::path& file, std::string allowed);
+
+  /// Where the columns of these names (in lower case) stand; empty unless all are there. Throws InvalidInput
+  /// where two have the same name.
+  std::vector<std::size_t> find(std::span<const std::string_view> names) const;
+  /// The numbers in these columns, row by row. Others may hold anything. Throws InvalidInput with file, line
+  /// and column.
+  std::vector<std::vector<double>> rows(std::span<const std::size_t> columns) const;
+  /// Throws InvalidInput that says what was found and what is allowed.
+  [[noreturn]] void refuse_header() const;
+
+ private:
+  std::filesystem::path file_;
+  std::string allowed_, text_;
+  std::size_t body_ = 0;  // where in the text the header's line ends
+  char separator_ = ',';
+  std::vector<std::string> names_,
+      usual_names_;  // as the header has them in lower case; as they would be here
+};
+
+/// The rows of a table that has all columns of `header`, e.g. "x,y,z", in the order of the header. Throws as
+/// NumberTable does.
 std::vector<std::vector<double>> read_number_table(const std::filesystem::path& file,
                                                    std::string_view header);
 
