@@ -33,6 +33,8 @@ kappaflow_needs(cereal 1.3 libcereal-dev)  # only headers, on the compiler's own
 kappaflow_needs(ZLIB 1.2 zlib1g-dev)
 kappaflow_needs(EXPAT 2.5 libexpat1-dev)
 kappaflow_needs(PkgConfig 0.29 pkg-config)
+pkg_search_module(HDF5 QUIET IMPORTED_TARGET hdf5-serial hdf5)
+kappaflow_check(HDF5 1.10 libhdf5-dev "${HDF5_FOUND}" "${HDF5_VERSION}")
 pkg_check_modules(CMARK_GFM QUIET IMPORTED_TARGET libcmark-gfm)
 kappaflow_check(cmark-gfm 0.29 libcmark-gfm-dev "${CMARK_GFM_FOUND}" "${CMARK_GFM_VERSION}")
 find_library(CMARK_GFM_EXTENSIONS cmark-gfm-extensions)  # has no .pc file

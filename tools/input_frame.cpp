@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <initializer_list>
 #include <limits>
@@ -13,9 +12,9 @@
 #include "core/errors.h"
 #include "core/text_scanner.h"
 #include "tools/bgeo_file.h"
-#include "tools/files.h"
 #include "tools/number_table.h"
 #include "tools/point_data.h"
+#include "tools/pysph_file.h"
 #include "tools/vtk_points.h"
 
 namespace kappaflow {
@@ -25,6 +24,11 @@ namespace fs = std::filesystem;
 
 constexpr int kFluidType = 3;  // DualSPHysics: 0 fixed, 1 moving, 2 floating, 3 fluid
 constexpr int kLocalTag = 0;   // PySPH: 0 local, 1 remote, 2 ghost
+
+using VectorNames = std::array<std::string_view, 3>;
+constexpr VectorNames kPositionNames{"x", "y", "z"};
+constexpr std::array<VectorNames, 2> kVelocityNames{{{"vx", "vy", "vz"}, {"u", "v", "w"}}};
+const std::initializer_list<std::string_view> kIdNames{"id", "ids", "idp", "gid", "particle_id"};
 
 /// The components of a vector: of one array, or of three.
 struct VectorArrays {
@@ -40,8 +44,7 @@ struct VectorArrays {
 VectorArrays find_velocity(const std::vector<PointArray>& arrays) {
   if (const PointArray* array = find_array(arrays, {"velocity", "velocities", "vel", "v"}, 3))
     return {{array}, array->name};
-  constexpr std::array<std::array<std::string_view, 3>, 2> kComponents{{{"vx", "vy", "vz"}, {"u", "v", "w"}}};
-  for (const auto& names : kComponents) {
+  for (const VectorNames& names : kVelocityNames) {
     VectorArrays found{{}, fmt::format("{}", fmt::join(names, ", "))};
     for (std::size_t c = 0; c < 3; ++c) found.array[c] = find_array(arrays, {names[c]}, 1);
     if (std::ranges::count(found.array, nullptr) == 0) return found;
@@ -100,13 +103,13 @@ void check_components(const std::vector<PointArray>& arrays, std::initializer_li
 
 InputFrame frame_from_points(const PointData& points, const fs::path& file) {
   const std::vector<PointArray>& arrays = points.arrays;
-  check_components(arrays, {"id", "ids", "idp", "gid", "particle_id"}, 1, file);
+  check_components(arrays, kIdNames, 1, file);
   check_components(arrays, {"velocity", "velocities", "vel"}, 3, file);
   const std::vector<std::size_t> chosen = chosen_points(points);
   InputFrame frame;
   frame.left_out = points.position.size() - chosen.size();
   for (const std::size_t i : chosen) frame.position.push_back(points.position[i]);
-  if (const PointArray* id = find_array(arrays, {"id", "ids", "idp", "gid", "particle_id"}, 1)) {
+  if (const PointArray* id = find_array(arrays, kIdNames, 1)) {
     frame.id_name = id->name;
     for (const std::size_t i : chosen) frame.id.push_back(whole_id(id->values[i], file));
   }
@@ -123,25 +126,37 @@ InputFrame frame_from_points(const PointData& points, const fs::path& file) {
   return frame;
 }
 
-std::string first_line(const fs::path& file) {
-  std::string text = read_file(file);
-  text.resize(std::min(text.find_first_of("\r\n"), text.size()));
-  return text;
+/// Where the velocities' columns are; nowhere where there are none. Two of three are a mistake.
+std::vector<std::size_t> velocity_columns(const NumberTable& table) {
+  const auto is_there = [&](std::string_view name) { return !table.find({&name, 1}).empty(); };
+  const std::vector<std::size_t> columns = table.find(kVelocityNames[0]);
+  if (!columns.empty()) return columns;
+  if (std::ranges::any_of(kVelocityNames[0], is_there)) table.refuse_header();
+  return table.find(kVelocityNames[1]);
 }
 
 InputFrame frame_from_csv(const fs::path& file) {
-  const std::string header = first_line(file);
-  const bool has_id = header.starts_with("id,"), has_velocity = header.ends_with(",vx,vy,vz");
-  const std::string expected = fmt::format("{}x,y,z{}", has_id ? "id," : "", has_velocity ? ",vx,vy,vz" : "");
+  const NumberTable table(
+      file, "x,y,z or id,x,y,z or x,y,z,vx,vy,vz or id,x,y,z,vx,vy,vz, in any order, perhaps among others");
   InputFrame frame;
-  const std::size_t x = has_id ? 1 : 0;
-  for (const std::vector<double>& row : read_number_table(file, expected)) {
-    if (has_id) frame.id.push_back(whole_id(row[0], file));
-    frame.position.emplace_back(row[x], row[x + 1], row[x + 2]);
-    if (has_velocity) frame.velocity.emplace_back(row[x + 3], row[x + 4], row[x + 5]);
+  std::vector<std::size_t> columns = table.find(kPositionNames);
+  if (columns.empty()) table.refuse_header();
+  const std::vector<std::size_t> velocity = velocity_columns(table);
+  columns.insert(columns.end(), velocity.begin(), velocity.end());
+  for (const std::string_view name : kIdNames)
+    if (const std::vector<std::size_t> id = table.find({&name, 1}); !id.empty() && frame.id_name.empty()) {
+      frame.id_name = name;
+      columns.push_back(id[0]);
+    }
+  for (const std::vector<double>& row : table.rows(columns)) {
+    frame.position.emplace_back(row[0], row[1], row[2]);
+    if (!velocity.empty()) frame.velocity.emplace_back(row[3], row[4], row[5]);
+    if (!frame.id_name.empty()) frame.id.push_back(whole_id(row.back(), file));
   }
-  if (has_id) frame.id_name = "id";
-  if (has_velocity) frame.velocity_name = "vx, vy, vz";
+  if (!velocity.empty())
+    frame.velocity_name = fmt::format(
+        "{}",
+        fmt::join(velocity == table.find(kVelocityNames[0]) ? kVelocityNames[0] : kVelocityNames[1], ", "));
   return frame;
 }
 
@@ -173,11 +188,15 @@ void check_finite(const std::vector<Value>& values, const char* what, const Inpu
 
 InputFrame read_input_frame(const fs::path& file) {
   const std::string kind = lower_case(file.extension().string());
-  if (kind != ".vtk" && kind != ".vtp" && kind != ".vtu" && kind != ".bgeo" && kind != ".csv")
+  if (kind == ".npz")
+    throw InvalidInput({file.string()}, "is NumPy's; tools/pysph/to_vtk.py writes its particles as .vtk");
+  if (kind != ".vtk" && kind != ".vtp" && kind != ".vtu" && kind != ".bgeo" && kind != ".hdf5" &&
+      kind != ".csv")
     throw InvalidInput({file.string()},
-                       "unknown kind of particle file; expected .vtk, .vtp, .vtu, .bgeo or .csv");
+                       "unknown kind of particle file; expected .vtk, .vtp, .vtu, .bgeo, .hdf5 or .csv");
   InputFrame frame = kind == ".csv"    ? frame_from_csv(file)
                      : kind == ".bgeo" ? frame_from_points(read_bgeo(file), file)
+                     : kind == ".hdf5" ? frame_from_points(read_pysph(file), file)
                                        : frame_from_points(read_vtk_points(file), file);
   if (frame.position.empty())
     throw InvalidInput(

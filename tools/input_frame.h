@@ -28,7 +28,8 @@ struct InputFrame {
 ///   .vtk       legacy VTK, text or binary, polydata or unstructured grid (SPlisHSPlasH, DualSPHysics)
 ///   .vtp .vtu  VTK XML (kappaflow, PySPH)
 ///   .bgeo      Partio's, version 5 (SPlisHSPlasH): id, velocity or v, density, pressure
-///   .csv       with the header x,y,z or id,x,y,z and perhaps ,vx,vy,vz
+///   .hdf5      PySPH's own
+///   .csv       with the columns x, y, z, perhaps id, and perhaps vx, vy, vz (see number_table.h)
 /// VTK's arrays are known by these names, in upper or lower case: id, ids, idp, gid, particle_id;
 /// velocity, vel, v (3 components) or u, v, w or vx, vy, vz; density, rho, rhop; pressure, press, p; source
 /// (only where all are whole numbers); the field array TimeValue or time. DualSPHysics' particles of walls

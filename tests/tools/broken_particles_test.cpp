@@ -66,7 +66,8 @@ TEST(BrokenParticles, AreManyOfEveryKind) {
   std::set<std::string> kinds;
   for (const fs::path& file : files) kinds.insert(file.extension());
   EXPECT_GE(files.size(), 100u);
-  EXPECT_EQ(kinds, (std::set<std::string>{"", ".bgeo", ".csv", ".vtk", ".vtp", ".vtu", ".xyz"}));
+  EXPECT_EQ(kinds,
+            (std::set<std::string>{"", ".bgeo", ".csv", ".hdf5", ".npz", ".vtk", ".vtp", ".vtu", ".xyz"}));
 }
 
 TEST(BrokenParticles, AFolderIsNoFile) {
