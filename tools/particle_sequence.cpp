@@ -3,12 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <span>
+#include <tuple>
 #include <utility>
 
 #include "core/errors.h"
+#include "core/nearest_points.h"
+#include "core/quantile.h"
 
 namespace kappaflow {
 namespace {
@@ -39,25 +43,35 @@ std::optional<std::int64_t> repeated_id(std::vector<std::int64_t> id) {
   return found == id.end() ? std::nullopt : std::optional(*found);
 }
 
+using IndexPairs = std::span<const std::pair<std::size_t, std::size_t>>;
+
+/// Pairs of particles with the same id, by their indices in both frames. No id occurs twice in a frame.
+std::vector<std::pair<std::size_t, std::size_t>> pairs_by_id(const InputFrame& before,
+                                                             const InputFrame& after) {
+  const std::vector<std::size_t> a = order_by_id(before.id), b = order_by_id(after.id);
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  for (std::size_t i = 0, j = 0; i < a.size() && j < b.size();) {
+    const std::int64_t id = before.id[a[i]], other = after.id[b[j]];
+    if (id == other) pairs.emplace_back(a[i], b[j]);
+    i += id <= other;
+    j += other <= id;
+  }
+  return pairs;
+}
+
 /// How far particles move between frames, beside what their velocities say.
 struct Displacements {
   double along_velocity = 0;  // sum of displacement . velocity [m2/s]
   double velocity2 = 0;       // sum of |velocity|^2 [m2/s2]
   double displacement2 = 0;   // sum of |displacement|^2 [m2]
 
-  void add(const InputFrame& before, const InputFrame& after) {
-    const std::vector<std::size_t> a = order_by_id(before.id), b = order_by_id(after.id);
-    for (std::size_t i = 0, j = 0; i < a.size() && j < b.size();) {
-      const std::size_t p = a[i], q = b[j];
-      if (before.id[p] == after.id[q]) {
-        const Vec3 displacement = after.position[q] - before.position[p];
-        const Vec3 velocity = 0.5 * (before.velocity[p] + after.velocity[q]);
-        along_velocity += displacement.dot(velocity);
-        velocity2 += velocity.squaredNorm();
-        displacement2 += displacement.squaredNorm();
-      }
-      i += before.id[p] <= after.id[q];
-      j += after.id[q] <= before.id[p];
+  void add(const InputFrame& before, const InputFrame& after, IndexPairs pairs) {
+    for (const auto& [p, q] : pairs) {
+      const Vec3 displacement = after.position[q] - before.position[p];
+      const Vec3 velocity = 0.5 * (before.velocity[p] + after.velocity[q]);
+      along_velocity += displacement.dot(velocity);
+      velocity2 += velocity.squaredNorm();
+      displacement2 += displacement.squaredNorm();
     }
   }
 
@@ -67,15 +81,73 @@ struct Displacements {
   double agreement() const { return along_velocity * along_velocity / (velocity2 * displacement2); }
 };
 
+/// How particles move in a frame beside their neighbours: medians [m].
+struct NeighbourMotion {
+  double spacing;  // to a neighbour
+  double own;      // a particle's motion, less that of all
+  double apart;    // a particle's motion, less its neighbour's
+};
+
+NeighbourMotion neighbour_motion(const InputFrame& before, const InputFrame& after, IndexPairs pairs) {
+  Vec3 mean = Vec3::Zero();
+  std::array<std::vector<Vec3>, 2> place, motion;  // of every other particle, and of those between them
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const Vec3& from = before.position[pairs[k].first];
+    place[k % 2].push_back(from);
+    motion[k % 2].push_back(after.position[pairs[k].second] - from);
+    mean += motion[k % 2].back() / static_cast<double>(pairs.size());
+  }
+  const std::vector<std::uint32_t> neighbour = nearest_points(place[1], place[0]);
+  std::vector<double> spacing, own, apart;
+  for (std::size_t i = 0; i < neighbour.size(); ++i) {
+    spacing.push_back((place[0][i] - place[1][neighbour[i]]).norm());
+    own.push_back((motion[0][i] - mean).norm());
+    apart.push_back((motion[0][i] - motion[1][neighbour[i]]).norm());
+  }
+  return {quantile(spacing, 0.5), quantile(own, 0.5), quantile(apart, 0.5)};
+}
+
+/// A sentence where ids do not follow the particles from a frame to the next: where no particle is in both,
+/// or where neighbours part, by spacings. A liquid's move alike, however far they move in a frame;
+/// docs/track.md has what was measured.
+std::string wrong_ids(const InputFrame& before, const InputFrame& after, IndexPairs pairs,
+                      const fs::path& file, const fs::path& next) {
+  constexpr std::size_t kLeastPairs = 30;
+  constexpr double kLeastSpacings = 1, kLeastShare = 0.7;
+  if (pairs.empty())
+    return fmt::format("no id of {} is in {}: do the ids follow the particles?", file.string(),
+                       next.string());
+  if (pairs.size() < kLeastPairs) return {};
+  const NeighbourMotion motion = neighbour_motion(before, after, pairs);
+  if (!(motion.apart > kLeastSpacings * motion.spacing) || !(motion.apart > kLeastShare * motion.own))
+    return {};
+  return fmt::format(
+      "from {} to {} particles part from their neighbours by {:.2g} spacings: do the ids follow the "
+      "particles?",
+      file.string(), next.string(), motion.apart / motion.spacing);
+}
+
 /// What the first reading of all files finds out.
 struct Survey {
   std::vector<std::optional<double>> time;
   std::vector<std::size_t> particles;
   Displacements displacements;
-  std::string repeated;  // where an id is used twice; empty: nowhere
+  std::string repeated;    // where an id is used twice; empty: nowhere
+  std::string wrong_ids;   // where ids do not follow the particles; empty: nowhere
+  std::string coincident;  // where particles are in the places of others; empty: nowhere
   std::string id_name, velocity_name;
   std::size_t left_out = 0;
 };
+
+std::string coincidence_note(const InputFrame& frame, const fs::path& file) {
+  const Coincidence found = coincident_particles(frame.position);
+  if (found.count == 0) return {};
+  const auto name = [&](std::size_t i) {
+    return frame.id.empty() ? fmt::format("number {}", i) : fmt::format("{}", frame.id[i]);
+  };
+  return fmt::format("{} particles of {} are where others are, e.g. {} and {}", found.count, file.string(),
+                     name(found.first), name(found.second));
+}
 
 void check_same_array(const char* what, const std::string& first_name, const std::string& name,
                       const fs::path& first, const fs::path& file) {
@@ -105,8 +177,13 @@ Survey survey(const std::vector<fs::path>& files) {
                                      *frame.time, *found.time.back()));
     if (const auto id = repeated_id(frame.id); id && found.repeated.empty())
       found.repeated = fmt::format("{} has several particles with the id {}", file.string(), *id);
-    if (!is_first && found.repeated.empty() && !frame.id.empty() && !frame.velocity.empty())
-      found.displacements.add(before, frame);
+    if (found.coincident.empty()) found.coincident = coincidence_note(frame, file);
+    if (!is_first && found.repeated.empty() && !frame.id.empty()) {
+      const auto pairs = pairs_by_id(before, frame);
+      if (!frame.velocity.empty()) found.displacements.add(before, frame, pairs);
+      if (found.wrong_ids.empty())
+        found.wrong_ids = wrong_ids(before, frame, pairs, files[found.time.size() - 1], file);
+    }
     found.time.push_back(frame.time);
     found.particles.push_back(frame.position.size());
     found.left_out += frame.left_out;
@@ -152,16 +229,22 @@ std::optional<std::string> displacement_note(const Survey& s, double frames_per_
   return std::nullopt;
 }
 
+/// What is known of frames a second where nobody has said it.
+std::string rate_hint(const Survey& s, const FileSeries& series) {
+  if (s.displacements.any_motion())
+    return fmt::format(" (velocities and displacements fit {:.3g})", s.displacements.frames_per_second());
+  if (series.is_decimal) return fmt::format(" ({:.6g} if the names hold seconds)", 1 / series.step);
+  return {};
+}
+
 std::vector<double> frame_times(const Survey& s, std::optional<double> frames_per_second,
-                                const std::string& series) {
+                                const FileSeries& series) {
   std::vector<double> time;
   for (std::size_t k = 0; k < s.time.size(); ++k) {
     if (!s.time[k] && !frames_per_second)
-      throw InvalidInput(fmt::format(
-          "{}: the files hold no times; say how many frames a second they are by --fps{}", series,
-          s.displacements.any_motion()
-              ? fmt::format(" (velocities and displacements fit {:.3g})", s.displacements.frames_per_second())
-              : std::string()));
+      throw InvalidInput(
+          fmt::format("{}: the files hold no times; say how many frames a second they are by --fps{}",
+                      series.name, rate_hint(s, series)));
     time.push_back(s.time[k] ? *s.time[k] : static_cast<double>(k) / *frames_per_second);
   }
   return time;
@@ -183,11 +266,29 @@ Vec3 derivative_at(double t, std::span<const double> time, std::span<const Vec3>
 
 }  // namespace
 
+Coincidence coincident_particles(std::span<const Vec3> position) {
+  std::vector<std::size_t> order(position.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto key = [&](std::size_t i) {
+    return std::tuple(position[i].x(), position[i].y(), position[i].z(), i);
+  };
+  std::ranges::sort(order, {}, key);
+  Coincidence found;
+  for (std::size_t k = 1; k < order.size(); ++k) {
+    if (position[order[k]] != position[order[k - 1]]) continue;
+    if (found.count++ > 0 && order[k] > found.second) continue;
+    found.first = order[k - 1];
+    found.second = order[k];
+  }
+  return found;
+}
+
 ParticleSequence::ParticleSequence(FileSeries series, std::optional<double> frames_per_second)
     : series_(std::move(series)) {
   const Survey found = survey(series_.files);
-  if (!found.time.front() && !series_.gap.empty()) throw InvalidInput(series_.gap);
-  time_ = frame_times(found, frames_per_second, series_.name);
+  if (!found.time.front() && !series_.gap.empty())
+    throw InvalidInput(fmt::format("{}; files without times must be equally far apart", series_.gap));
+  time_ = frame_times(found, frames_per_second, series_);
   matched_ = !found.id_name.empty() && found.repeated.empty();
   using enum Velocity;
   velocity_ = !found.velocity_name.empty() ? given : matched_ ? estimated : unknown;
@@ -199,9 +300,16 @@ ParticleSequence::ParticleSequence(FileSeries series, std::optional<double> fram
   notes_.push_back(fmt::format("times {} to {:.6g} s, {}", time_.front(), time_.back(),
                                found.time.front() ? std::string("from the files")
                                                   : fmt::format("{} frames a second", *frames_per_second)));
+  if (!found.time.front() && series_.step != 1)
+    notes_.push_back(fmt::format("numbers go up by {:.6g}: taken as consecutive frames, {:.4g} s apart",
+                                 series_.step, 1 / *frames_per_second));
   if (found.time.front() && frames_per_second) notes_.emplace_back("--fps is not used: the files hold times");
   if (!series_.gap.empty()) notes_.push_back(series_.gap);
-  if (const auto note = displacement_note(found, mean_rate)) notes_.push_back(*note);
+  if (!found.coincident.empty()) notes_.push_back(found.coincident);
+  if (!found.wrong_ids.empty())
+    notes_.push_back(found.wrong_ids);
+  else if (const auto note = displacement_note(found, mean_rate))
+    notes_.push_back(*note);
 }
 
 const InputFrame& ParticleSequence::input(std::size_t frame) {

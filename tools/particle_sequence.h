@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,13 @@ struct SequenceFrame {
   std::vector<float> density, pressure;  ///< as InputFrame has them; empty where unknown
   std::vector<int> source;               ///< likewise
 };
+
+/// Particles that are exactly where others are: how many, and the first two in one place.
+struct Coincidence {
+  std::size_t count = 0;
+  std::size_t first = 0, second = 0;
+};
+Coincidence coincident_particles(std::span<const Vec3> position);
 
 /// A series of particle files, checked when it is opened and read again frame by frame.
 class ParticleSequence {

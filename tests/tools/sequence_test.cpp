@@ -1,7 +1,9 @@
 // Frames of other simulators: which files belong together, what is read from them, and what is wrong with
 // them.
 #include <algorithm>
+#include <cstdlib>
 #include <map>
+#include <numeric>
 
 #include "core/errors.h"
 #include "tests/tools/scratch.h"
@@ -95,6 +97,98 @@ TEST_F(Sequence, FilesThatAreNoSeriesAreSaid) {
             path("none_*.csv") + ": there is no such file");
 }
 
+TEST_F(Sequence, AGapIsWhereTheStepIsNotTheMostFrequent) {
+  const auto gap = [&](std::initializer_list<const char*> numbers) {
+    std::vector<std::string> names;
+    for (const char* number : numbers) names.push_back(file(fmt::format("p_{}.csv", number), ""));
+    return file_series(names).gap;
+  };
+  const auto says = [&](const char* how, const char* after, const char* before, const char* step) {
+    return fmt::format("{}: {} comes after {}, and elsewhere the number goes up by {}", how,
+                       path(fmt::format("p_{}.csv", after)), path(fmt::format("p_{}.csv", before)), step);
+  };
+  const char *const missing = "a file is missing", *const uneven = "the frames are not equally far apart";
+  EXPECT_EQ(gap({"0", "100", "200"}), "");
+  EXPECT_EQ(gap({"0", "100", "187"}), says(uneven, "187", "100", "100")) << "PySPH's last step";
+  EXPECT_EQ(gap({"0", "100", "200", "300", "350"}), says(uneven, "350", "300", "100"));
+  EXPECT_EQ(gap({"1", "3", "4"}), says(missing, "3", "1", "1"));
+  EXPECT_EQ(gap({"1", "2", "4"}), says(missing, "4", "2", "1"));
+  EXPECT_EQ(gap({"0", "2", "3", "5", "7"}), says(uneven, "3", "2", "2"));
+  EXPECT_EQ(gap({"0.00", "0.25", "0.5", "1.0"}), says(missing, "1.0", "0.5", "0.25"));
+}
+
+TEST_F(Sequence, DecimalNumbersInNamesSortByValue) {
+  const auto order = [&](std::initializer_list<const char*> numbers) {
+    std::vector<std::string> files, found;
+    for (const char* number : numbers) files.push_back(file(fmt::format("run2_{}.csv", number), ""));
+    for (const fs::path& f : file_series(files).files)
+      found.push_back(f.stem().string().substr(std::string("run2_").size()));
+    return found;
+  };
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(order({"0.00", "0.5", "0.10"}), (Names{"0.00", "0.10", "0.5"}));
+  EXPECT_EQ(order({"1.5", "0.5", "1.0", "10.0"}), (Names{"0.5", "1.0", "1.5", "10.0"}));
+  EXPECT_EQ(order({"1.10", "1.9", "1.8"}), (Names{"1.8", "1.9", "1.10"})) << "counted after a point";
+  EXPECT_EQ(order({"1.010", "1.009"}), (Names{"1.009", "1.010"}));
+  EXPECT_EQ(order({"3.0", "1.0", "2.0"}), (Names{"1.0", "2.0", "3.0"}));
+}
+
+TEST_F(Sequence, DecimalNumbersSuggestAFrameRate) {
+  for (const char* number : {"0.0", "0.5", "1.0", "1.5"})
+    file(fmt::format("p_{}.csv", number), csv_text(moved_block({}, 0), true, false));
+  EXPECT_EQ(complaint("p_*.csv", std::nullopt),
+            "p: the files hold no times; say how many frames a second they are by --fps (2 if the names hold "
+            "seconds)");
+  EXPECT_DOUBLE_EQ(ParticleSequence(series("p_*.csv"), 2).time(3), 1.5);
+}
+
+TEST_F(Sequence, FoldersMayHaveAnyCharactersAndATildeIsHome) {
+  for (const char* name : {"br[1]", "a*b", "w?", "~", "back\\slash"}) {
+    fs::create_directory(folder / name);
+    for (const int k : {0, 1, 2}) file(fmt::format("{}/p_{}.csv", name, k), "");
+    EXPECT_EQ(series(fmt::format("{}/p_[0-9].csv", name)).files.size(), 3u) << name;
+    EXPECT_EQ(series(fmt::format("{}/p_[12].csv", name)).files[0], path(fmt::format("{}/p_1.csv", name)));
+  }
+  EXPECT_EQ(series("?r*/p_*.csv").files.size(), 3u) << "wildcards of folders that are not there";
+  const std::string home = getenv("HOME") == nullptr ? "" : getenv("HOME");
+  setenv("HOME", folder.c_str(), 1);
+  EXPECT_EQ(file_series(std::vector<std::string>{"~/br[1]/p_*.csv"}).files[0], path("br[1]/p_0.csv"));
+  setenv("HOME", home.c_str(), 1);
+}
+
+TEST_F(Sequence, NamesThatCannotBeExaminedAreSaid) {
+  fs::create_symlink("loop_1.csv", folder / "loop_1.csv");
+  const std::string too_long = path(std::string(300, 'x') + ".csv");
+  EXPECT_EQ(message_of<IoError>([&] { file_series(std::vector{too_long}); }),
+            too_long + ": there is no such file");
+  EXPECT_EQ(message_of<IoError>([&] { read_input_frame(folder / "loop_1.csv"); }),
+            path("loop_1.csv") + ": cannot be read (Too many levels of symbolic links)");
+  EXPECT_THROW(series("loop_1.csv"), Error) << "no std::filesystem::filesystem_error";
+}
+
+TEST_F(Sequence, TablesAreReadAsOthersWriteThem) {
+  const Particles body = moved_block(kBodyMotion, 0.3);
+  std::string paraview =
+      "\"velocity:0\",\"velocity:1\",\"velocity:2\",\"ID\",\"Points:0\",\"Points:1\",\"Points:2\"\n";
+  std::string semicolons = "\xEF\xBB\xBF u; v; w; name; X; Y; Z; particle_id\r\n";
+  for (std::size_t i = 0; i < body.size(); ++i) {
+    const Vec3 &x = body.position[i], &v = body.velocity[i];
+    paraview += fmt::format("{},{},{},{},{},{},{}\n", v[0], v[1], v[2], body.id[i], x[0], x[1], x[2]);
+    semicolons +=
+        fmt::format("{}; {}; {}; liquid; {}; {}; {}; {}\r\n", v[0], v[1], v[2], x[0], x[1], x[2], body.id[i]);
+  }
+  for (const std::string& text : {paraview, semicolons}) {
+    const InputFrame frame = read_input_frame(file("table.csv", text));
+    EXPECT_EQ(frame.id, body.id);
+    EXPECT_EQ(frame.position, body.position);
+    EXPECT_EQ(frame.velocity, body.velocity);
+  }
+  EXPECT_EQ(read_input_frame(file("table.csv", semicolons)).velocity_name, "u, v, w");
+  const InputFrame rows = read_input_frame(file("table.csv", "Point ID,x,y,z\n0,1,2,3\n1,4,5,6\n"));
+  EXPECT_EQ(rows.id_name, "") << "ParaView's number of a row";
+  EXPECT_EQ(rows.position, (std::vector<Vec3>{{1, 2, 3}, {4, 5, 6}}));
+}
+
 TEST_F(Sequence, EveryFormatHoldsTheSameParticles) {
   const Particles body = moved_block(kBodyMotion, 0.3), shuffled = permuted(body, 1);
   const std::vector<float> density(body.size(), 1000), pressure(body.size(), 5);
@@ -163,10 +257,13 @@ TEST_F(Sequence, WrongFilesAreSaidInOneLine) {
             ":3:5: found \"nan\"; expected a finite number");
   EXPECT_EQ(complains("a.csv", "id,x,y,z\n7.5,1,2,3\n"), ": the id 7.5 is not a whole number below 2^53");
   EXPECT_EQ(complains("a.csv", "id,x,y,z\n7,1,2\n"), ":2: found 3 values; expected 4");
-  EXPECT_EQ(complains("a.csv", "a,b\n1,2\n"), ":1: found the header \"a,b\"; expected \"x,y,z\"");
+  EXPECT_EQ(
+      complains("a.csv", "a,b\n1,2\n"),
+      ":1: found the header \"a,b\"; expected x,y,z or id,x,y,z or x,y,z,vx,vy,vz or id,x,y,z,vx,vy,vz, in "
+      "any order, perhaps among others");
   EXPECT_EQ(complains("a.csv", "x,y,z\n"), ": holds no particles");
   EXPECT_EQ(complains("a.xyz", ""),
-            ": unknown kind of particle file; expected .vtk, .vtp, .vtu, .bgeo or .csv");
+            ": unknown kind of particle file; expected .vtk, .vtp, .vtu, .bgeo, .hdf5 or .csv");
   Particles odd = moved_block(kBodyMotion, 0);
   odd.position[2] = Vec3(0, std::nan(""), 1);
   EXPECT_EQ(complains("a.vtk", splishsplash_text(odd)),
@@ -264,6 +361,71 @@ TEST_F(Sequence, RepeatedIdsAreNoticedAndNotUsed) {
   EXPECT_LT(first.id.back(), second.id.front()) << "no particle is taken for another";
 }
 
+TEST_F(Sequence, StepsOtherThanOneAreSaid) {
+  for (const int k : {1, 3, 5}) file(fmt::format("p_{}.csv", k), csv_text(moved_block({}, 0), true, false));
+  const auto said = [&](double fps) {
+    return std::ranges::count(ParticleSequence(series("p_*.csv"), fps).notes(),
+                              "numbers go up by 2: taken as consecutive frames, 0.04 s apart");
+  };
+  EXPECT_EQ(said(25), 1);
+}
+
+/// What is noted of the ids in frames 0.1 s apart, without velocities.
+class Ids : public Sequence {
+ protected:
+  template <class Frame>
+  std::vector<std::string> notes(const Frame& frame, bool velocities = false) {
+    for (const int k : {0, 1, 2}) file(fmt::format("p_{}.csv", k), csv_text(frame(k), true, velocities));
+    std::vector<std::string> found = ParticleSequence(series("p_*.csv"), 10).notes();
+    std::erase_if(found, [](const std::string& note) { return note.find("do the ids follow") == note.npos; });
+    return found;
+  }
+};
+
+TEST_F(Ids, ThatFollowTheParticlesAreNotNoted) {
+  const SteadyMotion fast{.velocity = {50, 20, 0}},
+      turning{.velocity = {1, 0, 0}, .angular_velocity = {0, 5, 5}};
+  for (const SteadyMotion& motion : {SteadyMotion{}, kBodyMotion, fast, turning})
+    EXPECT_EQ(notes([&](int k) { return permuted(moved_block(motion, 0.1 * k), k); }),
+              std::vector<std::string>());
+}
+
+TEST_F(Ids, OfRowsWhoseOrderChangesAreNoted) {
+  for (const SteadyMotion& motion : {SteadyMotion{}, kBodyMotion, SteadyMotion{.velocity = {50, 20, 0}}}) {
+    const auto found = notes([&](int k) {
+      Particles p = permuted(moved_block(motion, 0.1 * k), k);
+      std::iota(p.id.begin(), p.id.end(), std::int64_t{0});
+      return p;
+    });
+    ASSERT_EQ(found.size(), 1u);
+    const std::string frames = fmt::format("from {} to {} ", path("p_0.csv"), path("p_1.csv"));
+    EXPECT_TRUE(found[0].starts_with(frames + "particles part from their neighbours by ")) << found[0];
+    EXPECT_TRUE(found[0].ends_with(" spacings: do the ids follow the particles?")) << found[0];
+  }
+}
+
+TEST_F(Ids, ThatAreInOneFrameOnlyAreNoted) {
+  const auto found = notes([](int k) {
+    Particles p = moved_block(kBodyMotion, 0.1 * k);
+    for (std::int64_t& id : p.id) id += 1000 * k;
+    return p;
+  });
+  EXPECT_EQ(found,
+            (std::vector<std::string>{fmt::format("no id of {} is in {}: do the ids follow the particles?",
+                                                  path("p_0.csv"), path("p_1.csv"))}));
+}
+
+TEST_F(Ids, OfParticlesInOnePlaceAreNoted) {
+  Particles body = moved_block({}, 0);
+  body.position[4] = body.position[2];
+  body.position[7] = body.position[2];
+  for (const int k : {0, 1}) file(fmt::format("p_{}.csv", k), csv_text(body, true, false));
+  const std::vector<std::string> found = ParticleSequence(series("p_*.csv"), 10).notes();
+  EXPECT_EQ(std::ranges::count(found,
+                               "2 particles of " + path("p_0.csv") + " are where others are, e.g. 11 and 17"),
+            1);
+}
+
 TEST_F(Sequence, FramesThatDoNotFitTogetherAreSaid) {
   const Particles body = moved_block(kBodyMotion, 0);
   file("ids_0.csv", csv_text(body, true, false));
@@ -275,8 +437,10 @@ TEST_F(Sequence, FramesThatDoNotFitTogetherAreSaid) {
   EXPECT_EQ(complaint("v_*.csv"),
             path("v_0.csv") + ": has no velocities; " + path("v_1.csv") + " has them (\"vx, vy, vz\")");
   for (const int k : {1, 2, 3, 5}) file(fmt::format("gap_{}.csv", k), csv_text(body, true, false));
-  EXPECT_EQ(complaint("gap_*.csv"), "a file is missing: " + path("gap_5.csv") + " comes after " +
-                                        path("gap_3.csv") + ", and elsewhere the number goes up by 1");
+  EXPECT_EQ(complaint("gap_*.csv"),
+            "a file is missing: " + path("gap_5.csv") + " comes after " + path("gap_3.csv") +
+                ", and elsewhere the number goes up by 1; files without times must be "
+                "equally far apart");
   EXPECT_EQ(complaint("v_0*.csv"), path("v_0.csv") + " is one file; a sequence takes two or more");
   for (const double time : {0.5, 0.25}) {
     Particles at = body;
