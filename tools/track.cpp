@@ -34,14 +34,34 @@ constexpr double kMeasuredSpacing = 0.5;  // of the surfaces there, in sigma
 struct TrackSetup {
   SurfaceDescription surface;
   ParticleFieldOptions field;
-  double spacing = 0;  // measured [m]
+  double spacing = 0;  // measured [m]; 0 where sigma is given
 };
+
+/// Throws InvalidInput where there is no spacing, with the file and what to do.
+double measured_spacing(const ParticleSequence& sequence, const Particles& first) {
+  constexpr const char* kAdvice = "say the radius of a particle's field by --sigma";
+  const SourcePosition file{sequence.file(0).string()};
+  if (first.size() < 2)
+    throw InvalidInput(file, fmt::format("holds one particle, which has no spacing; {}", kAdvice));
+  try {
+    return particle_spacing(first.position);
+  } catch (const InvalidInput&) {
+    const Coincidence found = coincident_particles(first.position);
+    throw InvalidInput(
+        file,
+        fmt::format("{} of {} particles are where others are, e.g. {} and {}, and have no spacing; keep one "
+                    "in a place, or {}",
+                    found.count, first.size(), first.id[found.first], first.id[found.second], kAdvice));
+  }
+}
 
 TrackSetup make_setup(const TrackOptions& options, const ParticleSequence& sequence, const Particles& first) {
   TrackSetup setup;
-  setup.spacing = particle_spacing(first.position);
   SurfaceDescription& surface = setup.surface;
-  if (options.sigma) surface.sigma = *options.sigma / setup.spacing;
+  if (options.sigma)
+    surface.sigma = *options.sigma;
+  else
+    setup.spacing = measured_spacing(sequence, first);
   surface.threshold = options.threshold;
   surface.weights = options.weights;
   const bool is_cloud = sequence.velocity() == ParticleSequence::Velocity::unknown;
@@ -51,7 +71,7 @@ TrackSetup make_setup(const TrackOptions& options, const ParticleSequence& seque
     throw InvalidInput(fmt::format(
         "{}: the velocity \"material\" takes particles with velocities or ids; these have neither",
         sequence.name()));
-  setup.field = field_options(surface, setup.spacing, first.position);
+  setup.field = field_options(surface, options.sigma ? 1 : setup.spacing, first.position);
   return setup;
 }
 
@@ -112,14 +132,13 @@ std::string setup_text(const ParticleSequence& sequence, const TrackSetup& setup
   std::string text = fmt::format("{}: {} files, {} ... {}\n", sequence.name(), sequence.size(),
                                  sequence.file(0).string(), sequence.file(sequence.size() - 1).string());
   for (const std::string& note : sequence.notes()) text += fmt::format("  {}\n", note);
-  return text + fmt::format(
-                    "  spacing {:.6g} m (measured), sigma {:.6g} m ({}), threshold {:.6g} ({})\n"
-                    "  velocity {}\n",
-                    setup.spacing, setup.field.sigma,
-                    options.sigma ? "given" : fmt::format("{} spacings", setup.surface.sigma),
-                    setup.field.threshold,
-                    options.threshold ? "given" : "half the field's median at the particles",
-                    fmt::join(setup.surface.methods, ", "));
+  const std::string sigma = options.sigma
+                                ? fmt::format("sigma {:.6g} m (given)", setup.field.sigma)
+                                : fmt::format("spacing {:.6g} m (measured), sigma {:.6g} m ({} spacings)",
+                                              setup.spacing, setup.field.sigma, setup.surface.sigma);
+  return text + fmt::format("  {}, threshold {:.6g} ({})\n  velocity {}\n", sigma, setup.field.threshold,
+                            options.threshold ? "given" : "half the field's median at the particles",
+                            fmt::join(setup.surface.methods, ", "));
 }
 
 /// Moves the surfaces to the motion's end. Returns false when `watch(time)` stopped it on the way.

@@ -249,6 +249,60 @@ TEST_F(Track, ParticlesMayAppearAndDisappear) {
   }
 }
 
+/// The block with each of its particles there twice, or one particle of it.
+Particles doubled_block(double time) {
+  Particles p = moved_block(kBodyMotion, time);
+  const std::size_t n = p.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    p.id.push_back(1000 + static_cast<std::int64_t>(i));
+    p.position.push_back(p.position[i]);
+    p.velocity.push_back(p.velocity[i]);
+  }
+  return p;
+}
+Particles lone_particle(double time) {
+  return {time, {7}, {kBodyMotion.position(Vec3::Zero(), time)}, {kBodyMotion.velocity}};
+}
+
+TEST_F(Track, WithoutASpacingSigmaIsAskedForByFileAndParticles) {
+  TrackOptions o = options("p_*.csv", {"material"});
+  o.threshold.reset();
+  o.sigma.reset();
+  write_sequence("csv", kBodyMotion, 0.1,
+                 [](const Particles& p, int) { return csv_text(doubled_block(p.time), true, true); });
+  EXPECT_EQ(
+      message_of<InvalidInput>([&] { track(o); }),
+      (folder / "p_6.csv").string() +
+          ": 120 of 240 particles are where others are, e.g. 5 and 1000, and have no spacing; keep one in a "
+          "place, or say the radius of a particle's field by --sigma");
+  write_sequence("csv", kBodyMotion, 0.1,
+                 [](const Particles& p, int) { return csv_text(lone_particle(p.time), true, true); });
+  EXPECT_EQ(
+      message_of<InvalidInput>([&] { track(o); }),
+      (folder / "p_6.csv").string() +
+          ": holds one particle, which has no spacing; say the radius of a particle's field by --sigma");
+}
+
+TEST_F(Track, WithSigmaNoSpacingIsNeeded) {
+  TrackOptions o = options("p_*.csv", {"material"});
+  o.threshold = 2 * kThreshold;
+  write_sequence("csv", kBodyMotion, 0.1,
+                 [](const Particles& p, int) { return csv_text(doubled_block(p.time), true, true); });
+  ASSERT_EQ(track(o), 0);
+  EXPECT_LT(largest_error("material", kBodyMotion, 0.1 * (kFrames - 1)), 0.03)
+      << "as that of the single block";
+  o.threshold.reset();
+  write_sequence("csv", kBodyMotion, 0.1,
+                 [](const Particles& p, int) { return csv_text(lone_particle(p.time), true, true); });
+  ASSERT_EQ(track(o), 0);
+  // f = (1 - r^2/sigma^2)^3 has the threshold 1/2 at r = sigma sqrt(1 - 2^(-1/3)).
+  const double radius = kSigma * std::sqrt(1 - std::cbrt(0.5));
+  const auto mesh = surface("material", kFrames - 1);
+  for (vtkIdType v = 0; v < mesh->GetNumberOfPoints(); ++v)
+    EXPECT_NEAR((Vec3(mesh->GetPoint(v)) - kBodyMotion.position(Vec3::Zero(), 0.1 * (kFrames - 1))).norm(),
+                radius, 1e-3 * radius);
+}
+
 TEST_F(Track, ADamagedFrameLeavesNothingBehind) {
   write_sequence("vtk", kBodyMotion, 0.1, [](const Particles& p, int k) {
     const std::string text = splishsplash_text(p);
