@@ -129,7 +129,7 @@ InputFrame frame_from_points(const PointData& points, const fs::path& file) {
 /// Where the velocities' columns are; nowhere where there are none. Two of three are a mistake.
 std::vector<std::size_t> velocity_columns(const NumberTable& table) {
   const auto is_there = [&](std::string_view name) { return !table.find({&name, 1}).empty(); };
-  const std::vector<std::size_t> columns = table.find(kVelocityNames[0]);
+  std::vector<std::size_t> columns = table.find(kVelocityNames[0]);
   if (!columns.empty()) return columns;
   if (std::ranges::any_of(kVelocityNames[0], is_there)) table.refuse_header();
   return table.find(kVelocityNames[1]);

@@ -33,7 +33,7 @@ const std::vector<double> kVelocity{0.5, 0.25, -0.125, 1, 2, 3, -4, -5, -6};
 const std::vector<double> kIds{7, 4, 300};
 
 template <class Array>
-vtkSmartPointer<Array> array(const char* name, const std::vector<double>& values, int components = 1) {
+vtkSmartPointer<Array> array_of(const char* name, const std::vector<double>& values, int components = 1) {
   auto result = vtkSmartPointer<Array>::New();
   result->SetName(name);
   result->SetNumberOfComponents(components);
@@ -69,7 +69,7 @@ vtkSmartPointer<vtkPolyData> three_points() {
   data->SetPoints(points);
   data->SetVerts(vertices);
   vtkPointData& arrays = *data->GetPointData();
-  const auto scalars = array<vtkFloatArray>("scalars", {1, 2, 3});
+  const auto scalars = array_of<vtkFloatArray>("scalars", {1, 2, 3});
   vtkNew<vtkLookupTable> colours;
   colours->SetNumberOfTableValues(4);
   colours->Build();
@@ -77,13 +77,13 @@ vtkSmartPointer<vtkPolyData> three_points() {
   static vtkInformationStringKey* const key = vtkInformationStringKey::MakeKey("UNIT", "kappaflow");
   scalars->GetInformation()->Set(key, "a unit");
   arrays.SetScalars(scalars);
-  const auto velocity = array<vtkFloatArray>("velocity", kVelocity, 3);
+  const auto velocity = array_of<vtkFloatArray>("velocity", kVelocity, 3);
   velocity->SetComponentName(0, "X");
   velocity->SetComponentName(2, "last one");
   arrays.SetVectors(velocity);
-  arrays.SetTensors(array<vtkDoubleArray>("six", std::vector<double>(18, 1.5), 6));
-  arrays.SetTCoords(array<vtkFloatArray>("texture", std::vector<double>(6, 0.5), 2));
-  arrays.SetGlobalIds(array<vtkIntArray>("global", {1, 2, 3}));
+  arrays.SetTensors(array_of<vtkDoubleArray>("six", std::vector<double>(18, 1.5), 6));
+  arrays.SetTCoords(array_of<vtkFloatArray>("texture", std::vector<double>(6, 0.5), 2));
+  arrays.SetGlobalIds(array_of<vtkIntArray>("global", {1, 2, 3}));
   arrays.SetPedigreeIds(texts("pedigree", some_texts(20000)));
   arrays.AddArray(texts("names", some_texts(100)));
   vtkNew<vtkVariantArray> variants;
@@ -91,16 +91,16 @@ vtkSmartPointer<vtkPolyData> three_points() {
   for (const vtkVariant& value : {vtkVariant(1.5), vtkVariant("a b"), vtkVariant("")})
     variants->InsertNextValue(value);
   arrays.AddArray(variants);
-  arrays.AddArray(array<vtkBitArray>("bits", {1, 0, 1}));
-  arrays.AddArray(array<vtkTypeInt64Array>("int64", {-1, 2, 3}));
-  arrays.AddArray(array<vtkTypeUInt64Array>("uint64", {1, 2, 3}));
-  arrays.AddArray(array<vtkSignedCharArray>("int8", {-1, 2, 3}));
-  arrays.AddArray(array<vtkUnsignedCharArray>("uint8", {200, 2, 3}));
-  arrays.AddArray(array<vtkUnsignedShortArray>("uint16", {40000, 2, 3}));
-  arrays.AddArray(array<vtkDoubleArray>("five", std::vector<double>(15, 2.5), 5));
-  arrays.AddArray(array<vtkIdTypeArray>("id", kIds));
+  arrays.AddArray(array_of<vtkBitArray>("bits", {1, 0, 1}));
+  arrays.AddArray(array_of<vtkTypeInt64Array>("int64", {-1, 2, 3}));
+  arrays.AddArray(array_of<vtkTypeUInt64Array>("uint64", {1, 2, 3}));
+  arrays.AddArray(array_of<vtkSignedCharArray>("int8", {-1, 2, 3}));
+  arrays.AddArray(array_of<vtkUnsignedCharArray>("uint8", {200, 2, 3}));
+  arrays.AddArray(array_of<vtkUnsignedShortArray>("uint16", {40000, 2, 3}));
+  arrays.AddArray(array_of<vtkDoubleArray>("five", std::vector<double>(15, 2.5), 5));
+  arrays.AddArray(array_of<vtkIdTypeArray>("id", kIds));
   data->GetFieldData()->AddArray(texts("solver", {"some solver 2.1"}));
-  data->GetFieldData()->AddArray(array<vtkDoubleArray>("TimeValue", {0.25}));
+  data->GetFieldData()->AddArray(array_of<vtkDoubleArray>("TimeValue", {0.25}));
   return data;
 }
 
