@@ -30,8 +30,8 @@ bool may_take_pictures(const fs::path& folder) {
 }  // namespace
 
 fs::path pictures_folder(const fs::path& film) {
-  const fs::path folder = fs::path(film).replace_extension(),
-                 other = folder.parent_path() / ("frames-" + folder.filename().string());
+  fs::path folder = fs::path(film).replace_extension(),
+           other = folder.parent_path() / ("frames-" + folder.filename().string());
   try {
     if (may_take_pictures(folder)) return folder;
     if (may_take_pictures(other)) return other;

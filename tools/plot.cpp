@@ -75,13 +75,14 @@ std::string plot_script(const std::string& name, std::span<const Plot> plots) {
 
 void draw_plots(const std::filesystem::path& folder, const std::string& name, std::span<const Plot> plots) {
   write_file(folder / (name + ".gp"), plot_script(name, plots));
-  const std::filesystem::path unfinished = name + ".png.tmp";
+  const UnfinishedFile unfinished(folder / (name + ".png.tmp"));
   const int status = run_command(
-      {"gnuplot", "-e", fmt::format("picture = '{}'", unfinished.string()), name + ".gp"}, folder);
+      {"gnuplot", "-e", fmt::format("picture = '{}'", unfinished.path().filename().string()), name + ".gp"},
+      folder);
   if (status != 0)
     throw IoError((folder / (name + ".gp")).string(), fmt::format("gnuplot failed with status {}", status));
   std::error_code error;
-  std::filesystem::rename(folder / unfinished, folder / (name + ".png"), error);
+  std::filesystem::rename(unfinished.path(), folder / (name + ".png"), error);
   if (error) throw IoError((folder / (name + ".png")).string(), "cannot be written: " + error.message());
 }
 
