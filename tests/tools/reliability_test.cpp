@@ -207,7 +207,7 @@ TEST_F(Reliability, ARunThatCannotBeginLeavesTheOneThatItWasToReplace) {
   };
   expect_untouched(run_on_full_disk(400), 5);
   std::string bare = bytes_of(kSmallScene);
-  bare.insert(bare.find("fairing_iterations"), "threshold = 1e6\n");
+  bare.insert(bare.find("fairing_iterations"), "threshold = 100.0\n");
   bare = file("bare.toml", bare).string();
   expect_untouched(run_program({"run", bare, "--out", out.string(), "--force"}), 2);
   expect_untouched(run_on_full_disk(4096), 5);
