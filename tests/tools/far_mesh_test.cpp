@@ -11,6 +11,7 @@
 #include "surface/mesh/mesh_measures.h"
 #include "tests/tools/scratch.h"
 #include "tests/tools/sequence_files.h"
+#include "tests/tools/vtk_reader.h"
 #include "tools/data_files.h"
 #include "tools/glb.h"
 #include "tools/track.h"
