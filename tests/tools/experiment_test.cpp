@@ -140,9 +140,15 @@ TEST_F(QuickExperiment, Motions) {
   for (const auto& [which, method, expected] :
        {Expected{"translation", "normal", 0.86}, Expected{"rotation", "total", 1.92},
         Expected{"rotation", "curvature-only", 0.21}, Expected{"shear", "curvature", 0.74},
-        Expected{"stretch", "curvature", 1.21}, Expected{"stretch", "total", 1.56},
-        Expected{"staircase_frame_05", "curvature", 0.29}, Expected{"staircase_frame_12", "total", 0.92}})
+        Expected{"stretch", "total", 1.56}, Expected{"staircase_frame_05", "curvature", 0.29}})
     EXPECT_NEAR(error(method, which), expected, 0.08 * expected) << method << " " << which;
+  // Where many points are at the limit of the speed, which the other implementation takes from the fastest
+  // particle anywhere and has larger errors with.
+  for (const auto& [which, method, elsewhere] :
+       {Expected{"stretch", "curvature", 1.21}, Expected{"staircase_frame_12", "total", 0.92}}) {
+    EXPECT_LT(error(method, which), elsewhere) << method << " " << which;
+    EXPECT_GT(error(method, which), 0.9 * elsewhere) << method << " " << which;
+  }
   // Exact for rigid motions; under strain what is left is the normal velocity, which is not the method's.
   EXPECT_LT(error("regional", "rotation"), 1e-5);
   for (const char* strain : {"shear", "stretch"}) {
