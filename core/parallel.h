@@ -4,6 +4,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
+#include <tbb/partitioner.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -39,16 +40,20 @@ struct TaskOrder {
 /// reductions.
 inline constexpr std::size_t kDefaultGrain = 256;
 
-/// Calls body(i) for i in [0, n), each exactly once, in parallel. body must write to element i only.
+/// Calls body(i) for i in [0, n), each exactly once, in parallel. body must write to element i only. How the
+/// elements are cut into tasks depends on n and grain only: a compiler may round the first and last elements
+/// of a loop in another way than those between, which it works on several at a time.
 template <class Body>
 void parallel_for(std::size_t n, const Body& body, std::size_t grain = kDefaultGrain) {
   TaskOrder order;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, grain),
-                    [&](const tbb::blocked_range<std::size_t>& range) {
-                      order.begin_task();
-                      for (std::size_t i = range.begin(); i != range.end(); ++i) body(i);
-                      order.end_task();
-                    });
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, n, grain),
+      [&](const tbb::blocked_range<std::size_t>& range) {
+        order.begin_task();
+        for (std::size_t i = range.begin(); i != range.end(); ++i) body(i);
+        order.end_task();
+      },
+      tbb::simple_partitioner());
   order.join();
 }
 

@@ -29,8 +29,9 @@ std::string experiment_lines() {
 void add_track(CLI::App& app, CommandLine& line) {
   CLI::App* track = app.add_subcommand("track", "Track the surface of particles that another program wrote");
   track
-      ->add_option("FILES", line.track.inputs,
-                   "Particles, a file a frame (.vtk, .vtp, .vtu, .bgeo, .hdf5, .csv): names or a pattern in quotes")
+      ->add_option(
+          "FILES", line.track.inputs,
+          "Particles, a file a frame (.vtk, .vtp, .vtu, .bgeo, .hdf5, .csv): names or a pattern in quotes")
       ->required();
   track->add_option("--out", line.track.folder, "Folder for the results (default: out/<name of the files>)");
   add_methods(*track, "--velocity", line.track.methods,
