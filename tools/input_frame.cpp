@@ -142,7 +142,7 @@ InputFrame frame_from_csv(const fs::path& file) {
   std::vector<std::size_t> columns = table.find(kPositionNames);
   if (columns.empty()) table.refuse_header();
   const std::vector<std::size_t> velocity = velocity_columns(table);
-  columns.insert(columns.end(), velocity.begin(), velocity.end());
+  for (const std::size_t column : velocity) columns.push_back(column);
   for (const std::string_view name : kIdNames)
     if (const std::vector<std::size_t> id = table.find({&name, 1}); !id.empty() && frame.id_name.empty()) {
       frame.id_name = name;
