@@ -12,20 +12,13 @@
 #include "scenes/mesh_file.h"
 #include "scenes/shapes.h"
 #include "scenes/wall_distance.h"
+#include "tests/joined.h"
 #include "tests/scenes/scene_files.h"
 
 namespace kappaflow {
 namespace {
 
-TriangleSurface joined(std::vector<TriangleSurface> pieces) {
-  TriangleSurface all;
-  for (const TriangleSurface& piece : pieces) {
-    const int first = static_cast<int>(all.vertices.size());
-    all.vertices.insert(all.vertices.end(), piece.vertices.begin(), piece.vertices.end());
-    for (const auto& [a, b, c] : piece.triangles) all.triangles.push_back({first + a, first + b, first + c});
-  }
-  return all;
-}
+using test::joined;
 
 TriangleSurface inward(TriangleSurface surface) {
   for (Triangle& t : surface.triangles) std::swap(t[1], t[2]);

@@ -9,6 +9,7 @@
 #include "solver/pressure.h"
 #include "solver/surface_tension.h"
 #include "solver/viscosity.h"
+#include "tests/joined.h"
 #include "tests/solver/liquid.h"
 #include "tests/solver/shapes.h"
 
@@ -16,6 +17,7 @@ namespace kappaflow {
 namespace {
 
 using test::box_surface;
+using test::joined;
 
 constexpr double kSpacing = 0.05;
 constexpr double kDepth = kWallDepth * kSpacing;
@@ -97,17 +99,6 @@ TEST(WallSamples, LeaveOutFacesThatAnotherSolidCovers) {
                                            box_surface({0.3, 0, 0}, {0.9, 0.6, 0.6})};
   const auto solids = distances(walls);
   for (const WallSample& s : sample_walls(walls, solids, kSpacing)) expect_at_depth(solids, s.position);
-}
-
-/// Several surfaces as one.
-TriangleSurface joined(const std::vector<TriangleSurface>& pieces) {
-  TriangleSurface all;
-  for (const TriangleSurface& piece : pieces) {
-    const int first = static_cast<int>(all.vertices.size());
-    all.vertices.insert(all.vertices.end(), piece.vertices.begin(), piece.vertices.end());
-    for (const auto& [a, b, c] : piece.triangles) all.triangles.push_back({first + a, first + b, first + c});
-  }
-  return all;
 }
 
 /// A step of height 0.4 at x = 0.5, in one piece.

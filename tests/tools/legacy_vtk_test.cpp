@@ -116,14 +116,19 @@ void expect_three_points(const PointData& data) {
   EXPECT_EQ(values_of(data, "id", 1), kIds);
 }
 
+/// The points as VTK's own writer puts them. type: VTK_ASCII or VTK_BINARY.
+std::string written(int type) {
+  vtkNew<vtkPolyDataWriter> writer;
+  writer->SetInputData(three_points());
+  writer->SetFileType(type);
+  writer->WriteToOutputStringOn();
+  writer->Write();
+  return writer->GetOutputStdString();
+}
+
 TEST(LegacyVtk, ReadsEveryArrayThatVtkWrites) {
   for (const int type : {VTK_ASCII, VTK_BINARY}) {
-    vtkNew<vtkPolyDataWriter> writer;
-    writer->SetInputData(three_points());
-    writer->SetFileType(type);
-    writer->WriteToOutputStringOn();
-    writer->Write();
-    const PointData data = parse_legacy_vtk(writer->GetOutputStdString());
+    const PointData data = parse_legacy_vtk(written(type));
     expect_three_points(data);
     EXPECT_EQ(values_of(data, "scalars", 1), (std::vector<double>{1, 2, 3}));
     EXPECT_EQ(values_of(data, "bits", 1), (std::vector<double>{1, 0, 1}));
@@ -144,12 +149,7 @@ TEST(LegacyVtk, ReadsEveryArrayThatVtkWrites) {
 
 TEST(LegacyVtk, CutShortAnywhereIsAnErrorOrLessArrays) {
   for (const int type : {VTK_ASCII, VTK_BINARY}) {
-    vtkNew<vtkPolyDataWriter> writer;
-    writer->SetInputData(three_points());
-    writer->SetFileType(type);
-    writer->WriteToOutputStringOn();
-    writer->Write();
-    const std::string whole = writer->GetOutputStdString();
+    const std::string whole = written(type);
     for (std::size_t size = 0; size + 20 < whole.size(); size += size < 3000 ? 1 : 97) {
       try {
         EXPECT_EQ(find_array(parse_legacy_vtk(whole.substr(0, size)).arrays, {"id"}, 1), nullptr);
