@@ -8,7 +8,7 @@ set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME development)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/kappaflow)
 set(header_folder ${CMAKE_INSTALL_INCLUDEDIR}/kappaflow)
 
-foreach(library settings core solver surface scenes)
+foreach(library settings core solver field mesh motion topology remesh tracker measure surface scenes)
   set_target_properties(kappaflow_${library} PROPERTIES EXPORT_NAME ${library})
   install(TARGETS kappaflow_${library} EXPORT kappaflow)
 endforeach()

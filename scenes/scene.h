@@ -13,6 +13,7 @@
 #include "scenes/view.h"
 #include "solver/fluid_solver.h"
 #include "surface/field/particle_motion.h"
+#include "surface/measure/texture.h"
 #include "surface/tracker/surface_tracker.h"
 
 namespace kappaflow {
@@ -84,8 +85,6 @@ struct SurfaceDescription {
                            ///< sigma, topology.follows_field from `topology`
   int stride = 1;          ///< solver steps per tracker step; a frame always ends one
 };
-
-enum class TextureProjection { planar, spherical, box };
 
 struct OutputDescription {
   double frames_per_second = 25;

@@ -7,7 +7,7 @@
 #include "core/errors.h"
 #include "surface/field/particle_motion.h"
 #include "surface/field/rigid_particles.h"
-#include "surface/tracker/initial_mesh.h"
+#include "surface/remesh/initial_mesh.h"
 #include "surface/tracker/surface_tracker.h"
 
 namespace {

@@ -7,9 +7,9 @@
 #include <random>
 
 #include "surface/field/particle_motion.h"
+#include "surface/measure/surface_state.h"
 #include "surface/mesh/mesh_measures.h"
-#include "surface/tracker/initial_mesh.h"
-#include "surface/tracker/surface_state.h"
+#include "surface/remesh/initial_mesh.h"
 #include "surface/tracker/surface_tracker.h"
 
 namespace {

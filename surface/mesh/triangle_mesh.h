@@ -35,6 +35,12 @@ struct TriangleMesh {
   }
 };
 
+/// What is known at every vertex of a mesh beside its attributes; one entry a vertex.
+struct VertexFacts {
+  std::vector<Vec3>& gradient;    ///< grad f at the vertex
+  std::vector<double>& mobility;  ///< see vertex_mobility()
+};
+
 /// A mesh at rest: rest_position = position, no source known, all vertices projected, ids from 0.
 TriangleMesh make_triangle_mesh(std::vector<Vec3> position, std::vector<Triangle> triangles);
 

@@ -5,9 +5,9 @@
 
 #include "core/named.h"
 #include "surface/field/field.h"
+#include "surface/field/projection.h"
 #include "surface/mesh/triangle_mesh.h"
 #include "surface/mesh/vertex_history.h"
-#include "surface/tracker/projection.h"
 
 namespace kappaflow {
 

@@ -6,13 +6,13 @@
 #include <vector>
 
 #include "surface/field/field.h"
+#include "surface/field/projection.h"
+#include "surface/field/runge_kutta.h"
 #include "surface/mesh/triangle_mesh.h"
 #include "surface/motion/velocity.h"
+#include "surface/remesh/remeshing.h"
+#include "surface/topology/topology.h"
 #include "surface/tracker/fairing.h"
-#include "surface/tracker/projection.h"
-#include "surface/tracker/remeshing.h"
-#include "surface/tracker/runge_kutta.h"
-#include "surface/tracker/topology.h"
 
 namespace kappaflow {
 

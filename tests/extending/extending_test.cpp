@@ -11,7 +11,7 @@
 
 #include "scenes/scene.h"
 #include "surface/field/rigid_particles.h"
-#include "surface/tracker/initial_mesh.h"
+#include "surface/remesh/initial_mesh.h"
 
 namespace kappaflow {
 namespace {

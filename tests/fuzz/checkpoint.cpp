@@ -1,5 +1,5 @@
 // Checkpoints of runs.
-#include "tools/checkpoint.h"
+#include "tools/io/checkpoint.h"
 
 #include "tests/fuzz/reader_fuzzer.h"
 

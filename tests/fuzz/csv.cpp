@@ -1,7 +1,7 @@
 // Particles in CSV files, with and without what `kappaflow probe` needs.
 #include "tests/fuzz/reader_fuzzer.h"
-#include "tools/input_frame.h"
-#include "tools/particle_file.h"
+#include "tools/io/input_frame.h"
+#include "tools/io/particle_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace kappaflow;

@@ -1,6 +1,6 @@
 // Particles in legacy VTK files.
 #include "tests/fuzz/reader_fuzzer.h"
-#include "tools/input_frame.h"
+#include "tools/io/input_frame.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace kappaflow;

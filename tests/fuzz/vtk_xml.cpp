@@ -1,9 +1,9 @@
 // Particles and surfaces in VTK XML files, of other programs and our own.
-#include "tools/vtk_xml.h"
+#include "tools/io/vtk_xml.h"
 
 #include "tests/fuzz/reader_fuzzer.h"
-#include "tools/input_frame.h"
-#include "tools/particle_file.h"
+#include "tools/io/input_frame.h"
+#include "tools/io/particle_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace kappaflow;

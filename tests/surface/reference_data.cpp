@@ -6,7 +6,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "tools/particle_file.h"
+#include "tools/io/particle_file.h"
 
 namespace kappaflow::testing {
 

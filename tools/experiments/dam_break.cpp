@@ -8,8 +8,8 @@
 #include <iterator>
 
 #include "tools/experiments/validation.h"
-#include "tools/files.h"
-#include "tools/plot.h"
+#include "tools/io/files.h"
+#include "tools/pictures/plot.h"
 
 namespace kappaflow {
 namespace {

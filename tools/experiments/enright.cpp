@@ -12,12 +12,12 @@
 #include "surface/field/particle_motion.h"
 #include "surface/mesh/mesh_measures.h"
 #include "surface/mesh/self_intersection.h"
-#include "surface/tracker/initial_mesh.h"
-#include "tools/data_files.h"
+#include "surface/remesh/initial_mesh.h"
 #include "tools/experiments/enright_body.h"
-#include "tools/files.h"
-#include "tools/picture.h"
-#include "tools/timings.h"
+#include "tools/io/files.h"
+#include "tools/io/vtp_files.h"
+#include "tools/pictures/picture.h"
+#include "tools/runs/timings.h"
 
 namespace kappaflow {
 namespace {

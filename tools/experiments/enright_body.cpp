@@ -8,7 +8,7 @@
 #include "core/parallel.h"
 #include "surface/field/enright_flow.h"
 #include "surface/field/particle_field.h"
-#include "surface/tracker/initial_mesh.h"
+#include "surface/remesh/initial_mesh.h"
 
 namespace kappaflow {
 namespace {

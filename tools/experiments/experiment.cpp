@@ -19,11 +19,11 @@
 #include "tools/experiments/plane_flow.h"
 #include "tools/experiments/rigid_figures.h"
 #include "tools/experiments/validation.h"
-#include "tools/files.h"
-#include "tools/plot.h"
-#include "tools/progress.h"
-#include "tools/run_record.h"
-#include "tools/timings.h"
+#include "tools/io/files.h"
+#include "tools/pictures/plot.h"
+#include "tools/runs/progress.h"
+#include "tools/runs/run_record.h"
+#include "tools/runs/timings.h"
 
 namespace kappaflow {
 namespace {

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "surface/motion/velocity.h"
-#include "tools/report.h"
+#include "tools/pictures/report.h"
 
 namespace kappaflow {
 

@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "surface/motion/velocity.h"
-#include "tools/plot.h"
-#include "tools/render.h"
-#include "tools/run.h"
+#include "tools/pictures/plot.h"
+#include "tools/pictures/render.h"
+#include "tools/runs/run.h"
 
 namespace kappaflow {
 namespace {

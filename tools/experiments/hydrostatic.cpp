@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "tools/experiments/validation.h"
-#include "tools/files.h"
-#include "tools/plot.h"
+#include "tools/io/files.h"
+#include "tools/pictures/plot.h"
 
 namespace kappaflow {
 namespace {

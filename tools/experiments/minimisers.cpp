@@ -12,12 +12,12 @@
 #include "surface/motion/curvature_invariance.h"
 #include "surface/motion/normal.h"
 #include "surface/motion/total.h"
-#include "surface/tracker/initial_mesh.h"
+#include "surface/remesh/initial_mesh.h"
 #include "tools/experiments/rigid_experiment.h"
-#include "tools/files.h"
-#include "tools/plot.h"
-#include "tools/simulation.h"
-#include "tools/timings.h"
+#include "tools/io/files.h"
+#include "tools/pictures/plot.h"
+#include "tools/runs/simulation.h"
+#include "tools/runs/timings.h"
 
 namespace kappaflow {
 namespace {

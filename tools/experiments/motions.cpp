@@ -6,12 +6,12 @@
 #include <cmath>
 
 #include "scenes/toml_reader.h"
+#include "surface/measure/surface_state.h"
 #include "surface/mesh/mesh_measures.h"
-#include "surface/tracker/initial_mesh.h"
-#include "surface/tracker/surface_state.h"
-#include "tools/files.h"
-#include "tools/particle_file.h"
-#include "tools/plot.h"
+#include "surface/remesh/initial_mesh.h"
+#include "tools/io/files.h"
+#include "tools/io/particle_file.h"
+#include "tools/pictures/plot.h"
 
 namespace kappaflow {
 namespace {

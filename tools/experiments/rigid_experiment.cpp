@@ -7,7 +7,7 @@
 
 #include "core/errors.h"
 #include "core/parallel.h"
-#include "surface/tracker/initial_mesh.h"
+#include "surface/remesh/initial_mesh.h"
 
 namespace kappaflow {
 namespace {

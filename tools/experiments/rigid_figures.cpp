@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "tools/experiments/rigid_experiment.h"
-#include "tools/plot.h"
+#include "tools/pictures/plot.h"
 
 namespace kappaflow {
 namespace {

@@ -3,12 +3,12 @@
 
 #include <algorithm>
 
+#include "surface/measure/texture.h"
 #include "surface/mesh/mesh_measures.h"
-#include "tools/data_files.h"
 #include "tools/experiments/rigid_experiment.h"
-#include "tools/files.h"
-#include "tools/picture.h"
-#include "tools/texture.h"
+#include "tools/io/files.h"
+#include "tools/io/vtp_files.h"
+#include "tools/pictures/picture.h"
 
 namespace kappaflow {
 namespace {

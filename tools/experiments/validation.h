@@ -13,7 +13,7 @@
 #include "core/types.h"
 #include "scenes/scene.h"
 #include "tools/experiments/experiment.h"
-#include "tools/report.h"
+#include "tools/pictures/report.h"
 
 namespace kappaflow {
 

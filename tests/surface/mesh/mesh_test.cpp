@@ -6,10 +6,10 @@
 #include <set>
 
 #include "core/errors.h"
+#include "surface/measure/texture_jumps.h"
 #include "surface/mesh/isosurface.h"
 #include "surface/mesh/mesh_measures.h"
 #include "surface/mesh/self_intersection.h"
-#include "surface/mesh/texture_jumps.h"
 #include "tests/surface/mesh/analytic_fields.h"
 #include "tests/surface/mesh/closed_meshes.h"
 

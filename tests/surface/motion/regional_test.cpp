@@ -5,10 +5,10 @@
 #include <Eigen/Geometry>
 #include <numbers>
 
+#include "surface/field/projection.h"
+#include "surface/measure/surface_state.h"
 #include "surface/mesh/isosurface.h"
 #include "surface/mesh/mesh_measures.h"
-#include "surface/tracker/projection.h"
-#include "surface/tracker/surface_state.h"
 #include "tests/surface/field/random_particles.h"
 #include "tests/surface/mesh/analytic_fields.h"
 #include "tests/surface/reference_data.h"

@@ -3,7 +3,7 @@
 #include <tbb/global_control.h>
 
 #include "surface/field/enright_flow.h"
-#include "surface/tracker/initial_mesh.h"
+#include "surface/remesh/initial_mesh.h"
 #include "surface/tracker/surface_tracker.h"
 
 namespace kappaflow {

@@ -7,7 +7,7 @@
 
 #include "surface/mesh/isosurface.h"
 #include "surface/mesh/mesh_measures.h"
-#include "surface/tracker/initial_mesh.h"
+#include "surface/remesh/initial_mesh.h"
 #include "tests/surface/mesh/analytic_fields.h"
 
 namespace kappaflow {

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <ostream>
 
-#include "surface/tracker/initial_mesh.h"
+#include "surface/remesh/initial_mesh.h"
 #include "surface/tracker/surface_tracker.h"
 #include "tests/surface/mesh/analytic_fields.h"
 #include "tests/surface/reference_data.h"

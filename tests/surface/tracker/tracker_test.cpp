@@ -6,10 +6,10 @@
 
 #include "core/errors.h"
 #include "surface/field/particle_motion.h"
+#include "surface/measure/material_tracers.h"
+#include "surface/measure/surface_state.h"
 #include "surface/mesh/mesh_measures.h"
-#include "surface/tracker/initial_mesh.h"
-#include "surface/tracker/material_tracers.h"
-#include "surface/tracker/surface_state.h"
+#include "surface/remesh/initial_mesh.h"
 #include "surface/tracker/surface_tracker.h"
 #include "tests/surface/mesh/analytic_fields.h"
 

@@ -1,0 +1,16 @@
+// The mesh that a tracker starts from: the isosurface with well-shaped triangles.
+#pragma once
+
+#include "surface/field/field.h"
+#include "surface/field/projection.h"
+#include "surface/mesh/triangle_mesh.h"
+
+namespace kappaflow {
+
+/// f = 0 as a closed mesh, oriented outward, with edges of about `spacing` [m] and its vertices projected on
+/// the surface (or flagged as unprojected). The slivers of the extracted isosurface are removed by collapsing
+/// its short edges, flipping edges towards Delaunay, and smoothing in the tangent planes. Throws as
+/// extract_isosurface does.
+TriangleMesh initial_mesh(const Field& field, double spacing, const ProjectionOptions& projection);
+
+}  // namespace kappaflow

@@ -1,0 +1,240 @@
+#include "surface/topology/disagreement.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+
+#include "core/nearest_on_triangle.h"
+#include "core/parallel.h"
+#include "core/whole_within.h"
+#include "surface/field/projection.h"
+#include "surface/mesh/mesh_measures.h"
+#include "surface/topology/simple_points.h"
+#include "surface/topology/winding_numbers.h"
+
+namespace kappaflow {
+namespace {
+
+constexpr double kFacing = 0.9;                              // cosine to the sum of the corners' normals
+constexpr double kParallel = 2.7;                            // length of that sum
+constexpr double kAgreeing = 1;                              // such length below which it says nothing
+constexpr double kOverlongEdge = 8;                          // in limits
+constexpr std::size_t kPointsAtOnce = std::size_t{1} << 24;  // of the lattice, in memory
+constexpr int kOverlap = 4;                                  // of slabs and blocks of it, in points
+
+/// The sum of the unit outward normals at a triangle's corners.
+Vec3 sum_of_normals(std::span<const Vec3> gradient, const Triangle& triangle) {
+  const auto& [a, b, c] = triangle;
+  return -gradient[a].normalized() - gradient[b].normalized() - gradient[c].normalized();
+}
+
+/// Whether the field is not to be asked: the triangle is small and all that is known at its corners, which
+/// are on the surface, fits.
+bool is_plainly_on_surface(std::span<const Vec3> position, std::span<const Vec3> gradient,
+                           const Triangle& triangle, double limit) {
+  const auto& [a, b, c] = triangle;
+  const Vec3 &x = position[a], &y = position[b], &z = position[c];
+  const double longest = std::max({(x - y).squaredNorm(), (y - z).squaredNorm(), (z - x).squaredNorm()});
+  const Vec3 normals = sum_of_normals(gradient, triangle);
+  return longest < kOverlongEdge * kOverlongEdge * limit * limit && normals.norm() > kParallel &&
+         facing(x, y, z, normals) > kFacing;
+}
+
+/// Central differences of the samples at a point, one-sided at the lattice's rim [1/m].
+Vec3 sampled_gradient(const SampledField& samples, const LatticeCell& at) {
+  const std::array<std::size_t, 3> stride{1, static_cast<std::size_t>(samples.dims[0]),
+                                          static_cast<std::size_t>(samples.dims[0]) * samples.dims[1]};
+  const std::size_t index = at[0] + at[1] * stride[1] + at[2] * stride[2];
+  Vec3 gradient;
+  for (int a = 0; a < 3; ++a) {
+    const bool below = at[a] > 0, above = at[a] < samples.dims[a] - 1;
+    const double difference =
+        samples.value[index + (above ? stride[a] : 0)] - samples.value[index - (below ? stride[a] : 0)];
+    gradient[a] = difference / (samples.spacing * (below + above));
+  }
+  return gradient;
+}
+
+bool is_on_rim(const std::array<int, 3>& dims, const LatticeCell& at) {
+  for (int a = 0; a < 3; ++a)
+    if (at[a] == 0 || at[a] == dims[a] - 1) return true;
+  return false;
+}
+
+/// The 27 points around one that is not on the lattice's rim; is_inside: of a point's number.
+template <class Test>
+Neighbourhood around(const std::array<int, 3>& dims, const LatticeCell& at, const Test& is_inside) {
+  return neighbourhood([&](int i, int j, int k) {
+    return is_inside((static_cast<std::size_t>(at[2] + k) * dims[1] + at[1] + j) * dims[0] + at[0] + i);
+  });
+}
+
+/// Lets the points, none on the rim, change sides, one after the other, that can without a change of
+/// topology; what is left parts, joins, opens or fills something.
+void deform(const std::array<int, 3>& dims, std::vector<LatticeCell>& points,
+            std::vector<std::int8_t>& winding) {
+  const auto inside = [&](std::size_t point) { return winding[point] != 0; };
+  std::size_t before = 0;
+  do {
+    before = points.size();
+    std::erase_if(points, [&](const LatticeCell& at) {
+      if (!is_simple(around(dims, at, inside))) return false;
+      std::int8_t& number = winding[(static_cast<std::size_t>(at[2]) * dims[1] + at[1]) * dims[0] + at[0]];
+      number = number == 0 ? 1 : 0;
+      return true;
+    });
+  } while (points.size() < before);
+}
+
+/// Moves the points further than `limit` from every triangle of the mesh from `near` to `certain`: the mesh
+/// has left a tip or a slit out that is thinner than f/|g| tells.
+void move_far_from_mesh(const TriangleMesh& mesh, double limit, const SampledField& lattice,
+                        std::vector<LatticeCell>& near, std::vector<LatticeCell>& certain) {
+  enum Mark : char { other, asked, found };
+  std::vector<char> mark(static_cast<std::size_t>(lattice.dims[0]) * lattice.dims[1] * lattice.dims[2],
+                         other);
+  const auto mark_of = [&](const LatticeCell& at) -> char& {
+    return mark[at[0] + lattice.dims[0] * (at[1] + static_cast<std::size_t>(lattice.dims[1]) * at[2])];
+  };
+  for (const LatticeCell& at : near) mark_of(at) = asked;
+  const Vec3 origin = lattice.origin + Vec3(0, 0, lattice.spacing * lattice.first_plane);
+  parallel_for(mesh.triangles.size(), [&](std::size_t t) {
+    if (mesh.triangles[t] == kRemovedTriangle) return;
+    const auto& [a, b, c] = mesh.triangles[t];
+    const std::array<Vec3, 3> corner{mesh.position[a], mesh.position[b], mesh.position[c]};
+    const Vec3 least = corner[0].cwiseMin(corner[1]).cwiseMin(corner[2]),
+               most = corner[0].cwiseMax(corner[1]).cwiseMax(corner[2]);
+    LatticeCell first{}, last{}, at{};
+    for (int i = 0; i < 3; ++i) {
+      const int end = lattice.dims[i];
+      first[i] = whole_within((least[i] - limit - origin[i]) / lattice.spacing, 0, end) + 1;
+      last[i] = whole_within((most[i] + limit - origin[i]) / lattice.spacing, -1, end - 1);
+    }
+    for (at[2] = first[2]; at[2] <= last[2]; ++at[2])
+      for (at[1] = first[1]; at[1] <= last[1]; ++at[1])
+        for (at[0] = first[0]; at[0] <= last[0]; ++at[0]) {
+          const std::atomic_ref<char> state(mark_of(at));
+          if (state.load(std::memory_order_relaxed) != asked) continue;
+          const Vec3 x = origin + lattice.spacing * Vec3(at[0], at[1], at[2]);
+          if ((nearest_on_triangle(corner, x).point - x).norm() <= limit)
+            state.store(found, std::memory_order_relaxed);
+        }
+  });
+  const auto far = std::stable_partition(near.begin(), near.end(),
+                                         [&](const LatticeCell& at) { return mark_of(at) == found; });
+  certain.insert(certain.end(), far, near.end());
+  near.erase(far, near.end());
+}
+
+/// The points in dispute of some planes of the lattice, by their numbers in these.
+std::vector<LatticeCell> points_in_dispute(const Field& field, const TriangleMesh& mesh, double limit,
+                                           SampledField& lattice) {
+  field.sample(lattice);
+  std::vector<std::int8_t> winding = winding_numbers(mesh.position, mesh.triangles, lattice);
+  const auto [nx, ny, nz] = lattice.dims;
+  struct Found {
+    std::vector<LatticeCell> certain, near;  // near f = 0, where a good mesh's chords may be on either side
+  };
+  std::vector<Found> found(nz);
+  parallel_for(
+      static_cast<std::size_t>(nz),
+      [&, nx = nx, ny = ny](std::size_t k) {
+        std::size_t index = k * ny * nx;
+        for (int j = 0; j < ny; ++j)
+          for (int i = 0; i < nx; ++i, ++index) {
+            const double f = lattice.value[index];
+            if (winding[index] == (f > 0 ? 1 : 0)) continue;
+            const LatticeCell at{i, j, static_cast<int>(k)};
+            const bool near = (winding[index] == 0 || winding[index] == 1) &&
+                              std::abs(f) <= limit * sampled_gradient(lattice, at).norm() &&
+                              !is_on_rim(lattice.dims, at) &&
+                              is_simple(around(lattice.dims, at,
+                                               [&](std::size_t point) { return lattice.value[point] > 0; }));
+            (near ? found[k].near : found[k].certain).push_back(at);
+          }
+      },
+      1);
+  std::vector<LatticeCell> points, near;
+  for (const Found& plane : found) {
+    points.insert(points.end(), plane.certain.begin(), plane.certain.end());
+    near.insert(near.end(), plane.near.begin(), plane.near.end());
+  }
+  move_far_from_mesh(mesh, limit, lattice, near, points);
+  deform(lattice.dims, near, winding);
+  points.insert(points.end(), near.begin(), near.end());
+  return points;
+}
+
+}  // namespace
+
+LatticeCell cell_of(const SampledField& lattice, const Vec3& x) {
+  const Vec3 cell = ((x - lattice.origin) / lattice.spacing).array().floor();
+  const auto index = [&](int a) { return whole_within(cell[a], -kFarthestCell, kFarthestCell); };
+  return {index(0), index(1), index(2)};
+}
+
+bool is_off_surface(const Field& field, std::span<const Vec3> position, std::span<const Vec3> gradient,
+                    const Triangle& triangle, double limit) {
+  const auto& [a, b, c] = triangle;
+  const Vec3 normals = sum_of_normals(gradient, triangle);
+  if (normals.norm() > kAgreeing && !(facing(position[a], position[b], position[c], normals) > 0))
+    return true;
+  const Vec3 centroid = (position[a] + position[b] + position[c]) / 3;
+  const ValueAndGradient at = field.value_and_gradient(centroid);
+  if (std::abs(at.f) <= limit * at.g.norm()) return false;
+  // In the middle of a thin sheet, under its rim, the gradient vanishes and f = 0 is near all the same.
+  const Projected projected = project(field, centroid, {});
+  return !projected.converged || (projected.position - centroid).norm() > limit ||
+         facing(position[a], position[b], position[c], -projected.gradient) < 0;
+}
+
+std::vector<int> triangles_off_surface(const Field& field, const TriangleMesh& mesh,
+                                       std::span<const Vec3> gradient, double limit) {
+  std::vector<char> off(mesh.triangles.size());
+  parallel_for(off.size(), [&](std::size_t t) {
+    const Triangle& triangle = mesh.triangles[t];
+    off[t] = std::ranges::any_of(triangle, [&](int v) { return mesh.unprojected[v] != 0; }) ||
+             (!is_plainly_on_surface(mesh.position, gradient, triangle, limit) &&
+              is_off_surface(field, mesh.position, gradient, triangle, limit));
+  });
+  std::vector<int> found;
+  for (int t = 0; t < static_cast<int>(off.size()); ++t)
+    if (off[t]) found.push_back(t);
+  return found;
+}
+
+std::vector<LatticeCell> cells_in_dispute(const Field& field, const TriangleMesh& mesh, double limit,
+                                          const SampledField& lattice, const LatticeBlock& block) {
+  // Winding numbers count crossings from a row's beginning: rows are taken whole.
+  LatticeBlock wanted = block;
+  for (int a = 0; a < 3; ++a) {
+    wanted.first[a] = a == 0 ? 0 : std::max(block.first[a], 0);
+    wanted.last[a] = std::min(a == 0 ? lattice.dims[a] : block.last[a], lattice.dims[a] - 1);
+    if (wanted.first[a] > wanted.last[a]) return {};
+  }
+  const int first_row = std::max(wanted.first[1] - kOverlap, 0),
+            rows = std::min(wanted.last[1] + kOverlap, lattice.dims[1] - 1) - first_row + 1,
+            planes = wanted.last[2] - wanted.first[2] + 1;
+  const std::size_t plane = static_cast<std::size_t>(lattice.dims[0]) * rows;
+  const int at_once =
+      static_cast<int>(std::clamp<std::size_t>(kPointsAtOnce / plane, 4 * kOverlap, planes + 2 * kOverlap));
+  std::vector<LatticeCell> cells;
+  for (int first = wanted.first[2]; first <= wanted.last[2]; first += at_once - 2 * kOverlap) {
+    const int last = std::min(first + at_once - 2 * kOverlap - 1, wanted.last[2]);
+    SampledField slab = lattice;
+    slab.origin[1] += lattice.spacing * first_row;
+    slab.dims[1] = rows;
+    slab.first_plane = std::max(first - kOverlap, 0);
+    slab.dims[2] = std::min(last + kOverlap, lattice.dims[2] - 1) - slab.first_plane + 1;
+    for (LatticeCell cell : points_in_dispute(field, mesh, limit, slab)) {
+      cell[1] += first_row;
+      cell[2] += slab.first_plane;
+      if (cell[1] >= wanted.first[1] && cell[1] <= wanted.last[1] && cell[2] >= first && cell[2] <= last)
+        cells.push_back(cell);
+    }
+  }
+  return cells;
+}
+
+}  // namespace kappaflow

@@ -1,0 +1,37 @@
+// Where a mesh and the surface f = 0 that it stands for disagree.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "surface/field/field.h"
+#include "surface/mesh/triangle_mesh.h"
+#include "surface/topology/cell_region.h"
+
+namespace kappaflow {
+
+/// The cell of the lattice that holds x.
+LatticeCell cell_of(const SampledField& lattice, const Vec3& x);
+
+/// Whether the triangle is not a piece of f = 0 within `limit` [m]: by |f|/|g| > limit at its centroid, or
+/// because it faces away from the field's normals at its corners, as their sum goes.
+bool is_off_surface(const Field& field, std::span<const Vec3> position, std::span<const Vec3> gradient,
+                    const Triangle& triangle, double limit);
+
+/// The triangles for which is_off_surface() holds or a corner is not projected, ascending; but the
+/// field is not asked about small triangles along which the normals at the corners hardly turn. gradient: of
+/// f at the vertices.
+std::vector<int> triangles_off_surface(const Field& field, const TriangleMesh& mesh,
+                                       std::span<const Vec3> gradient, double limit);
+
+/// The cells at points of the lattice that are inside the mesh and not the surface, or the reverse, and
+/// either further than `limit` [m] from f = 0, as f and its central differences tell, or from the mesh, or
+/// not simple (is_simple()) in the surface's inside, or such that the mesh's inside cannot be deformed into
+/// the surface's by simple points, one after the other: there a neck, slit, piece or hole is on the lattice
+/// of one and not of the other. And those at points around which the mesh goes more than once, or backwards.
+/// Only cells in `block` are looked for. The lattice is taken in slabs of at most 2^24 points; its values are
+/// not read.
+std::vector<LatticeCell> cells_in_dispute(const Field& field, const TriangleMesh& mesh, double limit,
+                                          const SampledField& lattice, const LatticeBlock& block);
+
+}  // namespace kappaflow

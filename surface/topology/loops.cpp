@@ -1,0 +1,155 @@
+#include "surface/topology/loops.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+
+#include "surface/mesh/mesh_measures.h"
+
+namespace kappaflow {
+namespace {
+
+constexpr double kFacingWeight = 4;  // how much a triangle that faces sideways costs
+
+using Edge = std::pair<int, int>;
+
+struct Cost {
+  std::span<const Vec3> position, gradient;
+  double operator()(int a, int b, int c) const {
+    const Vec3 &x = position[a], &y = position[b], &z = position[c];
+    const Vec3 normals = -gradient[a].normalized() - gradient[b].normalized() - gradient[c].normalized();
+    const double longest = std::max({(x - y).squaredNorm(), (y - z).squaredNorm(), (z - x).squaredNorm()});
+    return longest * (1 + kFacingWeight * (1 - facing(x, y, z, normals)));
+  }
+};
+
+/// The directed edges without an edge in the opposite direction, ascending.
+std::vector<Edge> open_edges(std::span<const Triangle> triangles) {
+  // Both directions of an edge side by side: the smaller vertex, the larger one, and which way it runs.
+  std::vector<std::uint64_t> keys;
+  keys.reserve(3 * triangles.size());
+  for (const Triangle& t : triangles)
+    for (int c = 0; c < 3; ++c) {
+      const auto u = static_cast<std::uint64_t>(t[c]), v = static_cast<std::uint64_t>(t[(c + 1) % 3]);
+      keys.push_back(std::min(u, v) << 33 | std::max(u, v) << 1 | (u > v ? 1 : 0));
+    }
+  std::ranges::sort(keys);
+  std::vector<Edge> open;
+  for (std::size_t first = 0, last = 0; first < keys.size(); first = last) {
+    while (last < keys.size() && keys[last] >> 1 == keys[first] >> 1) ++last;
+    if (((keys[first] ^ keys[last - 1]) & 1) != 0) continue;
+    const int small = static_cast<int>(keys[first] >> 33),
+              large = static_cast<int>(keys[first] >> 1 & 0xffffffff);
+    open.insert(open.end(), last - first, (keys[first] & 1) != 0 ? Edge(large, small) : Edge(small, large));
+  }
+  std::ranges::sort(open);
+  return open;
+}
+
+/// The loop turned so that it begins with its i-th vertex, which comes again at the end.
+std::vector<int> turned(std::span<const int> loop, std::size_t i) {
+  std::vector<int> result(loop.begin() + static_cast<std::ptrdiff_t>(i), loop.end());
+  result.insert(result.end(), loop.begin(), loop.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+  return result;
+}
+
+std::pair<std::size_t, std::size_t> nearest_pair(std::span<const Vec3> position, std::span<const int> from,
+                                                 std::span<const int> to) {
+  std::pair<std::size_t, std::size_t> best{0, 0};
+  double least = kInfinity;
+  for (std::size_t i = 0; i < from.size(); ++i)
+    for (std::size_t j = 0; j < to.size(); ++j)
+      if (const double d = (position[from[i]] - position[to[j]]).squaredNorm(); d < least) {
+        least = d;
+        best = {i, j};
+      }
+  return best;
+}
+
+}  // namespace
+
+Boundary boundary_of(std::span<const Triangle> triangles) {
+  const std::vector<Edge> open = open_edges(triangles);
+  Boundary boundary;
+  for (std::size_t e = 1; e < open.size(); ++e)
+    if (open[e].first == open[e - 1].first) boundary.pinched.push_back(open[e].first);
+  if (!boundary.pinched.empty()) return boundary;
+  std::vector<char> done(open.size(), 0);
+  for (std::size_t first = 0; first < open.size(); ++first) {
+    if (done[first]) continue;
+    std::vector<int>& loop = boundary.loops.emplace_back();
+    for (std::size_t e = first; !done[e];) {
+      done[e] = 1;
+      loop.push_back(open[e].first);
+      e = static_cast<std::size_t>(std::ranges::lower_bound(open, open[e].second, {}, &Edge::first) -
+                                   open.begin());
+    }
+  }
+  return boundary;
+}
+
+std::vector<Triangle> strip_between(std::span<const Vec3> position, std::span<const Vec3> gradient,
+                                    std::span<const int> from, std::span<const int> to) {
+  const Cost cost{position, gradient};
+  const auto [start_a, start_b] = nearest_pair(position, from, to);
+  const std::vector<int> a = turned(from, start_a), b = turned(to, start_b);
+  // best[i][j]: cost of the strip up to the edge between a[i] and b[j].
+  const std::size_t columns = b.size();
+  std::vector<double> best(a.size() * columns, kInfinity);
+  std::vector<char> along_a(best.size(), 0);
+  best[0] = 0;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    for (std::size_t j = 0; j < columns; ++j) {
+      double& here = best[i * columns + j];
+      if (j > 0) here = best[i * columns + j - 1] + cost(b[j], b[j - 1], a[i]);
+      if (i == 0) continue;
+      const double other = best[(i - 1) * columns + j] + cost(a[i - 1], a[i], b[j]);
+      along_a[i * columns + j] = other < here || j == 0;
+      if (along_a[i * columns + j]) here = other;
+    }
+  std::vector<Triangle> strip;
+  for (std::size_t i = a.size() - 1, j = columns - 1; i > 0 || j > 0;) {
+    if (along_a[i * columns + j]) {
+      strip.push_back({a[i - 1], a[i], b[j]});
+      --i;
+    } else {
+      strip.push_back({b[j], b[j - 1], a[i]});
+      --j;
+    }
+  }
+  return strip;
+}
+
+std::vector<Triangle> fill_loop(std::span<const Vec3> position, std::span<const Vec3> gradient,
+                                std::span<const int> loop) {
+  const Cost cost{position, gradient};
+  const std::size_t n = loop.size();
+  std::vector<double> best(n * n, 0);  // of the corners i to j
+  std::vector<std::size_t> apex(n * n, 0);
+  for (std::size_t length = 2; length < n; ++length)
+    for (std::size_t i = 0; i + length < n; ++i) {
+      const std::size_t j = i + length;
+      double least = kInfinity;
+      for (std::size_t k = i + 1; k < j; ++k) {
+        const double c = best[i * n + k] + best[k * n + j] + cost(loop[i], loop[k], loop[j]);
+        if (!(c < least)) continue;
+        least = c;
+        apex[i * n + j] = k;
+      }
+      best[i * n + j] = least;
+    }
+  std::vector<Triangle> triangles;
+  std::vector<std::pair<std::size_t, std::size_t>> pending{{0, n - 1}};
+  while (!pending.empty()) {
+    const auto [i, j] = pending.back();
+    pending.pop_back();
+    if (j < i + 2) continue;
+    const std::size_t k = apex[i * n + j];
+    triangles.push_back({loop[i], loop[k], loop[j]});
+    pending.emplace_back(i, k);
+    pending.emplace_back(k, j);
+  }
+  return triangles;
+}
+
+}  // namespace kappaflow

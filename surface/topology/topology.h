@@ -1,0 +1,88 @@
+// Lets the mesh merge, split, appear and vanish as the surface does.
+#pragma once
+
+#include <vector>
+
+#include "surface/field/field.h"
+#include "surface/field/projection.h"
+#include "surface/mesh/triangle_mesh.h"
+#include "surface/topology/lattice_guard.h"
+
+namespace kappaflow {
+
+struct TopologyOptions {
+  bool follows_field = false;  ///< whether the mesh's topology follows the surface's
+  /// Of the lattice, as a share of Field::length_scale(); smaller pieces, holes and gaps may be missed.
+  double spacing = 0.25;
+  int lattice_interval = 8;  ///< steps from one comparison with the whole lattice to the next, >= 1
+};
+
+/// The lattice that tells the surface's topology; without values. edge_length: of the mesh, > 0 [m].
+SampledField topology_lattice(const Field& field, const TopologyOptions& options, double edge_length);
+
+/// What on that lattice keeps the mesh's topology the surface's while the mesh is edited.
+LatticeGuard topology_guard(const Field& field, const TopologyOptions& options, double edge_length);
+
+/// By what a change of topology looks for disagreement.
+enum class Comparison {
+  quick,     ///< triangles further off the surface than half an edge
+  thorough,  ///< those further than 0.18 edges, triangles that pass through others, the whole lattice
+  repeated   ///< the same after another: patches whose chords miss a rim or tip are made finer
+};
+
+/// What one change of topology did.
+struct TopologyCounts {
+  std::size_t replaced = 0;           ///< regions that were replaced
+  std::size_t refused = 0;            ///< regions where mesh and surface still disagree
+  std::size_t triangles_removed = 0;  ///< in the former
+  std::size_t vertices_born = 0;      ///< vertices that are new afterwards
+  std::size_t vertices_lost = 0;      ///< vertices that are gone afterwards
+
+  TopologyCounts& operator+=(const TopologyCounts& other) {
+    replaced += other.replaced;
+    refused += other.refused;
+    triangles_removed += other.triangles_removed;
+    vertices_born += other.vertices_born;
+    vertices_lost += other.vertices_lost;
+    return *this;
+  }
+
+  /// See core/saved_state.h.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(replaced, refused, triangles_removed, vertices_born, vertices_lost);
+  }
+};
+
+/// Local replacement of the mesh by the isosurface, after Wojtan, Thuerey, Gross, Turk, "Deforming meshes
+/// that split and merge" (2009) and Mueller, "Fast and robust tracking of fluid surfaces" (2009), guided by
+/// the field: it knows the true surface at every step.
+///
+/// Where mesh and f = 0 disagree (see disagreement.h; or the mesh passes through itself) the triangles
+/// around are taken out, f = 0 is extracted there, what of it is nearer to the triangles left than a
+/// quarter of an edge is cut away, and the loops of both sides are joined by strips of triangles; a loop that
+/// finds no partner is filled. The result is taken if every new triangle is a piece of f = 0
+/// (is_off_surface()), passes through no other, and has three neighbours; else the region is widened where it
+/// was not, some times, and then counted as refused.
+///
+/// Vertices outside keep place, id and attributes; new ones have new ids and the attributes of the nearest
+/// point of the triangles taken out, or their own place as rest_position and an unknown source where there
+/// were none. Regions are worked on one after the other in a fixed order: results do not depend on the
+/// threads.
+class TopologyChange {
+ public:
+  /// edge_length: of the mesh, > 0 [m]. `facts` must belong to the vertices as they are, projected.
+  /// Afterwards other arrays over the vertices are to be renewed (see history()) if TopologyCounts::replaced
+  /// > 0.
+  TopologyCounts change(const Field& field, const TopologyOptions& options, double edge_length,
+                        const ProjectionOptions& projection, Comparison comparison, TriangleMesh& mesh,
+                        VertexFacts facts);
+
+  /// What became of the vertices in the last change().
+  const VertexHistory& history() const { return history_; }
+
+ private:
+  VertexHistory history_;
+};
+
+}  // namespace kappaflow

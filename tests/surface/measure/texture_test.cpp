@@ -1,0 +1,77 @@
+#include "surface/measure/texture.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+namespace kappaflow {
+namespace {
+
+bool is_blue(const Rgb& c) {
+  return c[2] > c[0];
+}
+
+TEST(Checker, FollowsTheParityOfTheCube) {
+  std::vector<Vec3> at;
+  for (int i = -3; i < 3; ++i)
+    for (int j = -3; j < 3; ++j)
+      for (int k = -3; k < 3; ++k) at.emplace_back(0.5 * Vec3(i + 0.3, j + 0.6, k + 0.9));
+  const std::vector<Rgb> colours = checker_colours(at, 0.5);
+  for (std::size_t v = 0; v < at.size(); ++v) {
+    const Vec3 cube = (at[v] / 0.5).array().floor();
+    EXPECT_EQ(is_blue(colours[v]), (static_cast<int>(cube.sum()) & 1) != 0);
+  }
+}
+
+TEST(Checker, OneCubeHasOneColourAndCubesDiffer) {
+  std::vector<Vec3> at;
+  for (int i = 0; i < 20; ++i) at.emplace_back(2 * i + 0.25, 0.5, 0.5);
+  const std::vector<Rgb> colours = checker_colours(at, 1.0);
+  std::vector<Vec3> moved = at;
+  for (Vec3& x : moved) x += Vec3(0.5, 0.4, -0.4);
+  EXPECT_EQ(checker_colours(moved, 1.0), colours);
+  EXPECT_GT(std::set<Rgb>(colours.begin(), colours.end()).size(), 10u) << "brightness varies";
+}
+
+TEST(Checker, HasAColourAnywhere) {
+  const std::vector<Vec3> at{{1e300, -1e300, 0}, {HUGE_VAL, 0, 0}, {std::nan(""), 0, 0}};
+  EXPECT_EQ(checker_colours(at, 1e-3).size(), 3u);
+}
+
+TEST(TextureCoordinates, PlanarSpansTheBox) {
+  const std::vector<Vec3> at{{-1, 2, 0}, {3, 4, 1}, {1, 3, 5}};
+  const auto uv = texture_coordinates(at, bounding_box(at), TextureProjection::planar);
+  EXPECT_EQ(uv[0], Vec2(0, 0));
+  EXPECT_EQ(uv[1], Vec2(1, 1));
+  EXPECT_EQ(uv[2], Vec2(0.5, 0.5));
+}
+
+TEST(TextureCoordinates, SphericalIsLongitudeAndLatitude) {
+  const std::vector<Vec3> at{{1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {-1, 0, 0}, {0, 0, -1}};
+  const auto uv = texture_coordinates(at, bounding_box(at), TextureProjection::spherical);
+  EXPECT_NEAR((uv[0] - Vec2(0.5, 0.5)).norm(), 0, 1e-15);
+  EXPECT_NEAR(uv[1][1], 1, 1e-15);
+  EXPECT_NEAR(uv[2][1], 0, 1e-15);
+  EXPECT_NEAR((uv[3] - Vec2(0.75, 0.5)).norm(), 0, 1e-15);
+  EXPECT_NEAR((uv[5] - Vec2(0.25, 0.5)).norm(), 0, 1e-15);
+}
+
+TEST(TextureCoordinates, BoxUsesTheNearestFace) {
+  // The corners make the box [-1, 1] x [-2, 2] x [-3, 3]; the other points lie on its faces.
+  const std::vector<Vec3> at{{-1, -2, -3}, {1, 2, 3}, {1, 1, 0}, {0.5, 2, -1.5}, {0, -1, 3}};
+  const auto uv = texture_coordinates(at, bounding_box(at), TextureProjection::box);
+  EXPECT_NEAR((uv[2] - Vec2(0.5, 0.75)).norm(), 0, 1e-15);   // +x face: (z, y)
+  EXPECT_NEAR((uv[3] - Vec2(0.75, 0.25)).norm(), 0, 1e-15);  // +y face: (x, z)
+  EXPECT_NEAR((uv[4] - Vec2(0.5, 0.25)).norm(), 0, 1e-15);   // +z face: (x, y)
+}
+
+TEST(TextureCoordinates, FlatAndEmptyInputsAreFinite) {
+  EXPECT_TRUE(texture_coordinates({}, Bounds{}, TextureProjection::box).empty());
+  const std::vector<Vec3> point{{1, 2, 3}};
+  for (const auto p : {TextureProjection::planar, TextureProjection::spherical, TextureProjection::box})
+    EXPECT_EQ(texture_coordinates(point, bounding_box(point), p)[0], Vec2(0.5, 0.5));
+}
+
+}  // namespace
+}  // namespace kappaflow

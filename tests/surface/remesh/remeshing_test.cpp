@@ -1,0 +1,239 @@
+// The invariants of remeshing: on surfaces that stretch, and in Enright's test.
+#include "surface/remesh/remeshing.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <numbers>
+#include <unordered_map>
+
+#include "surface/field/enright_flow.h"
+#include "surface/mesh/mesh_measures.h"
+#include "surface/mesh/self_intersection.h"
+#include "surface/remesh/initial_mesh.h"
+#include "surface/tracker/surface_tracker.h"
+#include "tests/surface/mesh/analytic_fields.h"
+
+namespace kappaflow {
+namespace {
+
+using testing::EllipsoidField;
+
+std::vector<Vec3> normals(const Field& field, const TriangleMesh& mesh) {
+  std::vector<Vec3> normal;
+  for (const Vec3& x : mesh.position) normal.emplace_back(-field.value_and_gradient(x).g.normalized());
+  return normal;
+}
+
+/// What must hold after every step on a smooth surface.
+void expect_in_order(const Field& field, const TriangleMesh& mesh, const MeshTopology& expected) {
+  const MeshTopology topology = mesh_topology(mesh.position, mesh.triangles);
+  EXPECT_EQ(topology.components, expected.components);
+  EXPECT_EQ(topology.genus, expected.genus);
+  EXPECT_EQ(folded_fraction(mesh.position, normals(field, mesh), mesh.triangles), 0);
+  EXPECT_EQ(self_intersections(mesh.position, mesh.triangles), 0u);
+  EXPECT_LE(angles_outside(mesh.position, mesh.triangles, 15, 140), 1e-3);
+  EXPECT_TRUE(std::ranges::is_sorted(mesh.id, std::less_equal{}));
+  EXPECT_LT(mesh.id.back(), mesh.next_id);
+  EXPECT_EQ(mesh.rest_position.size(), mesh.vertex_count());
+  for (const Vec3& x : mesh.position) {
+    const ValueAndGradient at = field.value_and_gradient(x);
+    EXPECT_LE(std::abs(at.f) / at.g.norm(), 1.001 * ProjectionOptions{}.tolerance * field.length_scale());
+  }
+}
+
+TrackerOptions with_remeshing(const char* method, double edge) {
+  return {.method = method,
+          .integrator = TimeIntegrator::rk4,
+          .fairing = {.iterations = 0},
+          .remeshing = {.edge_length = edge, .finest = 0.3}};
+}
+
+TEST(Remeshing, KeepsAStretchedSheetInOrderAndBringsItBack) {
+  // Half of the stretch that the test has at its half time, and back.
+  constexpr int kSteps = 24;
+  constexpr double kTurn = 0.8;
+  SurfaceTracker tracker(initial_mesh(EnrightField(0), 0.03, {}), with_remeshing("material", 0.03));
+  const double volume = area_and_volume(tracker.mesh().position, tracker.mesh().triangles).volume;
+  std::size_t splits = 0, collapses = 0, flips = 0;
+  for (int n = 0; n < kSteps; ++n) {
+    // The flow is steady but for its factor: going back is the time from the mirror image of kTurn on.
+    const bool back = n >= kSteps / 2;
+    const double dt = 2 * kTurn / kSteps, t = n * dt;
+    const double t0 = back ? EnrightFlow::kPeriod - 2 * kTurn + t : t;
+    EnrightMotion motion(t0, std::min(t0 + dt, EnrightFlow::kPeriod));
+    const TrackerStep step = tracker.step(motion);
+    EXPECT_EQ(step.unprojected, 0u);
+    splits += step.edits.splits;
+    collapses += step.edits.collapses;
+    flips += step.edits.flips;
+    expect_in_order(*motion.at(motion.t1()), tracker.mesh(), {1, 0});
+  }
+  EXPECT_GT(splits, 200u);
+  EXPECT_GT(collapses, 100u);
+  EXPECT_GT(flips, 200u);
+  const TriangleMesh& mesh = tracker.mesh();
+  EXPECT_NEAR(area_and_volume(mesh.position, mesh.triangles).volume / volume, 1, 2e-3);
+  // The map to the first mesh: its error is that of linear interpolation along edges, h^2 / (8 R) once.
+  double largest = 0;
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+    largest = std::max(largest, (mesh.position[v] - mesh.rest_position[v]).norm());
+  EXPECT_LT(largest, 0.5 * 0.03);
+}
+
+TEST(Remeshing, LeavesAGoodMeshAlone) {
+  const EllipsoidField field(Vec3::Zero(), Mat3::Identity(), Vec3(1, 0.8, 0.7));
+  TriangleMesh mesh = initial_mesh(field, 0.1, {});
+  const std::size_t vertices = mesh.vertex_count();
+  const TriangleMesh before = mesh;
+  const VertexRings rings = vertex_rings(vertices, mesh.triangles);
+  std::vector<Vec3> gradient;
+  for (const Vec3& x : mesh.position) gradient.push_back(field.value_and_gradient(x).g);
+  std::vector<double> mobility(vertices, 1);
+  Remesher remesher;
+  remesher.remesh(field, {.edge_length = 0.1}, {}, rings, mesh, {gradient, mobility});
+  EXPECT_GT(static_cast<double>(vertices_older_than(mesh, before.next_id)),
+            0.98 * static_cast<double>(vertices));
+  expect_in_order(field, mesh, {1, 0});
+}
+
+TEST(Remeshing, UntouchedVerticesKeepEveryBit) {
+  const EllipsoidField field(Vec3::Zero(), Mat3::Identity(), Vec3(1, 0.8, 0.7));
+  TriangleMesh mesh = initial_mesh(field, 0.1, {});
+  for (Vec3& x : mesh.rest_position) x = Vec3(x[1], 2 * x[2], -x[0]);
+  const TriangleMesh before = mesh;
+  const VertexRings rings = vertex_rings(mesh.vertex_count(), mesh.triangles);
+  std::vector<Vec3> gradient;
+  std::vector<double> mobility;
+  for (const Vec3& x : mesh.position) {
+    gradient.push_back(field.value_and_gradient(x).g);
+    mobility.push_back(x[0]);
+  }
+  Remesher remesher;
+  const RemeshCounts counts =
+      remesher.remesh(field, {.edge_length = 0.16, .finest = 0.3}, {}, rings, mesh, {gradient, mobility});
+  EXPECT_GT(counts.collapses, 100u);
+  ASSERT_EQ(gradient.size(), mesh.vertex_count());
+  const std::size_t old = vertices_older_than(mesh, before.next_id);
+  EXPECT_LT(old, before.vertex_count());
+  for (std::size_t v = 0; v < old; ++v) {
+    const auto was = static_cast<std::size_t>(mesh.id[v]);
+    EXPECT_EQ(mesh.position[v], before.position[was]);
+    EXPECT_EQ(mesh.rest_position[v], before.rest_position[was]);
+    EXPECT_EQ(mobility[v], before.position[was][0]);
+  }
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+    EXPECT_EQ(gradient[v], field.value_and_gradient(mesh.position[v]).g);
+  expect_in_order(field, mesh, {1, 0});
+}
+
+TEST(Remeshing, EdgesFollowTheCurvature) {
+  // A long ellipsoid: curvature 1 / 0.04 and more at its tips, 1 / 0.2 at its waist.
+  const EllipsoidField field(Vec3::Zero(), Mat3::Identity(), Vec3(1, 0.2, 0.2));
+  TriangleMesh mesh = initial_mesh(field, 0.08, {});
+  std::vector<double> mobility(mesh.vertex_count(), 1);
+  std::vector<Vec3> gradient;
+  for (const Vec3& x : mesh.position) gradient.push_back(field.value_and_gradient(x).g);
+  Remesher remesher;
+  for (int round = 0; round < 12; ++round)
+    remesher.remesh(field, {.edge_length = 0.08, .turn = 0.3, .finest = 0.1}, {},
+                    vertex_rings(mesh.vertex_count(), mesh.triangles), mesh, {gradient, mobility});
+  double tip = 0, tip_count = 0, waist = 0, waist_count = 0;
+  for (const Triangle& t : mesh.triangles)
+    for (int c = 0; c < 3; ++c) {
+      const Vec3 &a = mesh.position[t[c]], &b = mesh.position[t[(c + 1) % 3]];
+      if (std::abs(a[0]) > 0.99) tip += (a - b).norm(), ++tip_count;
+      if (std::abs(a[0]) < 0.3) waist += (a - b).norm(), ++waist_count;
+    }
+  // Aimed at: 0.3 x 0.04 at the tip; 0.3 x 0.2 at the waist. Edges lie between 0.6 and 1.5 of that.
+  EXPECT_NEAR(tip / tip_count, 0.012, 0.005);
+  EXPECT_NEAR(waist / waist_count, 0.06, 0.018);
+  expect_in_order(field, mesh, {1, 0});
+}
+
+/// The largest distance of a triangle's centroid from f = 0.
+double largest_chord(const Field& field, const TriangleMesh& mesh) {
+  double largest = 0;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const Vec3 centroid = (mesh.position[a] + mesh.position[b] + mesh.position[c]) / 3;
+    largest = std::max(largest, (project(field, centroid, {}).position - centroid).norm());
+  }
+  return largest;
+}
+
+TEST(Remeshing, TrianglesThatCutThroughARimAreRefined) {
+  // A lens an edge thick: triangles of this size have corners on both of its sides.
+  constexpr double kEdge = 0.25;
+  const EllipsoidField field(Vec3::Zero(), Mat3::Identity(), Vec3(1, 1, 0.12));
+  TriangleMesh mesh = initial_mesh(field, kEdge, {});
+  std::vector<double> mobility(mesh.vertex_count(), 1);
+  std::vector<Vec3> gradient;
+  for (const Vec3& x : mesh.position) gradient.push_back(field.value_and_gradient(x).g);
+  const double before = largest_chord(field, mesh);
+  Remesher remesher;
+  for (int round = 0; round < 4; ++round)
+    remesher.remesh(field, {.edge_length = kEdge}, {}, vertex_rings(mesh.vertex_count(), mesh.triangles),
+                    mesh, {gradient, mobility});
+  EXPECT_GT(before, 0.25 * kEdge);
+  EXPECT_LT(largest_chord(field, mesh), 0.2 * kEdge);
+  EXPECT_EQ(self_intersections(mesh.position, mesh.triangles), 0u);
+  EXPECT_EQ(mesh_topology(mesh.position, mesh.triangles).genus, 0);
+}
+
+TEST(Remeshing, RestLengthsSurviveEditsElsewhere) {
+  const EllipsoidField field(Vec3::Zero(), Mat3::Identity(), Vec3(1, 0.8, 0.7));
+  TriangleMesh mesh = initial_mesh(field, 0.1, {});
+  const VertexRings before = vertex_rings(mesh.vertex_count(), mesh.triangles);
+  FairingState state = fairing_state(mesh, before);
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+    state.gradient[v] = field.value_and_gradient(mesh.position[v]).g;
+  for (double& rest : state.rest_length) rest *= 2;
+  Remesher remesher;
+  remesher.remesh(field, {.edge_length = 0.14, .finest = 0.3}, {}, before, mesh,
+                  {state.gradient, state.mobility});
+  const VertexRings rings = vertex_rings(mesh.vertex_count(), mesh.triangles);
+  renew_fairing_state(mesh, remesher.history(), before, rings, state);
+  std::size_t kept = 0, born = 0;
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+    for (int k = rings.start[v]; k < rings.start[v + 1]; ++k) {
+      const int w = rings.neighbour[k];
+      const double length = (mesh.position[v] - mesh.position[w]).norm();
+      const bool was_there =
+          mesh.id[v] < static_cast<std::int64_t>(before.start.size()) - 1 &&
+          mesh.id[w] < static_cast<std::int64_t>(before.start.size()) - 1 &&
+          std::ranges::binary_search(before.of(static_cast<int>(mesh.id[v])), static_cast<int>(mesh.id[w]));
+      EXPECT_NEAR(state.rest_length[k], was_there ? 2 * length : length, 1e-14);
+      ++(was_there ? kept : born);
+    }
+  EXPECT_GT(kept, 500u);
+  EXPECT_GT(born, 500u);
+}
+
+TEST(Remeshing, SameBitsForAnyNumberOfThreads) {
+  std::vector<TriangleMesh> result;
+  for (const std::size_t threads : {1, 2, 4}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    TrackerOptions options = with_remeshing("curvature", 0.12);
+    options.fairing.iterations = 2;
+    options.velocity = {.damping = 1e-3, .speed_limit = 4};
+    const std::vector<Vec3> start{Vec3(0.5, 0, 0), Vec3(-0.3, 0.4, 0), Vec3(-0.3, -0.4, 0)};
+    auto first = testing::turning_particles(0, 0.02, start, 1, 0.3);
+    SurfaceTracker tracker(initial_mesh(*first.at(0), 0.15, {}), options);
+    RemeshCounts counts = tracker.step(first).edits;
+    EXPECT_TRUE(counts.any());
+    for (int n = 1; n < 5; ++n) {
+      auto motion = testing::turning_particles(0.02 * n, 0.02 * (n + 1), start, 1, 0.3);
+      tracker.step(motion);
+    }
+    result.push_back(tracker.mesh());
+  }
+  for (const TriangleMesh& other : {result[1], result[2]}) {
+    EXPECT_EQ(result[0].position, other.position);
+    EXPECT_EQ(result[0].rest_position, other.rest_position);
+    EXPECT_EQ(result[0].id, other.id);
+    EXPECT_EQ(result[0].triangles, other.triangles);
+  }
+}
+
+}  // namespace
+}  // namespace kappaflow

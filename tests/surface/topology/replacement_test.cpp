@@ -1,0 +1,306 @@
+// The parts that a change of topology is made of: winding numbers, boundary loops, strips, local isosurfaces.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "core/nearest_on_triangle.h"
+#include "surface/mesh/isosurface.h"
+#include "surface/mesh/mesh_measures.h"
+#include "surface/mesh/self_intersection.h"
+#include "surface/topology/disagreement.h"
+#include "surface/topology/lattice_guard.h"
+#include "surface/topology/loops.h"
+#include "surface/topology/triangle_bins.h"
+#include "surface/topology/winding_numbers.h"
+#include "tests/surface/mesh/analytic_fields.h"
+
+namespace kappaflow {
+namespace {
+
+using testing::EllipsoidField;
+using testing::TorusField;
+
+TEST(WindingNumbers, AreTheSignOfTheFieldAroundItsIsosurface) {
+  // Of the same lattice: each cell's triangles part its points inside from those outside.
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    const ParticleField field = testing::random_blobs(seed, 30, 2);
+    const TriangleMesh mesh = extract_isosurface(field, 0.2);
+    SampledField lattice = isosurface_lattice(field, 0.2);
+    field.sample(lattice);
+    const std::vector<std::int8_t> winding = winding_numbers(mesh.position, mesh.triangles, lattice);
+    ASSERT_EQ(winding.size(), lattice.value.size());
+    std::size_t wrong = 0, inside = 0;
+    for (std::size_t i = 0; i < winding.size(); ++i) {
+      inside += lattice.value[i] > 0;
+      // The rows run some thousandths of a spacing beside the points.
+      wrong += std::abs(lattice.value[i]) > 0.005 && winding[i] != (lattice.value[i] > 0 ? 1 : 0);
+    }
+    EXPECT_EQ(wrong, 0u) << seed;
+    EXPECT_GT(inside, 1000u);
+  }
+}
+
+TEST(WindingNumbers, CountOverlapsAndReversedMeshes) {
+  const EllipsoidField ball(Vec3::Zero(), Mat3::Identity(), Vec3::Ones());
+  const TriangleMesh one = extract_isosurface(ball, 0.3);
+  SampledField lattice;
+  lattice.origin = Vec3(-3, -2, -2);
+  lattice.spacing = 0.25;
+  lattice.first_plane = 1;
+  lattice.dims = {30, 17, 15};
+  std::vector<Vec3> position = one.position;
+  std::vector<Triangle> triangles = one.triangles;
+  const int n = static_cast<int>(position.size());
+  for (const Vec3& x : one.position) position.emplace_back(x + Vec3(1, 0, 0));
+  for (const auto& [a, b, c] : one.triangles) triangles.push_back({n + a, n + b, n + c});
+  const std::vector<std::int8_t> two = winding_numbers(position, triangles, lattice);
+  for (Triangle& t : triangles) std::swap(t[0], t[1]);
+  const std::vector<std::int8_t> reversed = winding_numbers(position, triangles, lattice);
+  std::size_t index = 0, overlap = 0;
+  for (int k = 0; k < lattice.dims[2]; ++k)
+    for (int j = 0; j < lattice.dims[1]; ++j)
+      for (int i = 0; i < lattice.dims[0]; ++i, ++index) {
+        const Vec3 x = lattice.origin + lattice.spacing * Vec3(i, j, k + lattice.first_plane);
+        EXPECT_EQ(reversed[index], -two[index]);
+        if (std::abs(x.norm() - 1) < 0.05 || std::abs((x - Vec3(1, 0, 0)).norm() - 1) < 0.05) continue;
+        const int expected = (x.norm() < 1) + ((x - Vec3(1, 0, 0)).norm() < 1);
+        EXPECT_EQ(two[index], expected) << x.transpose();
+        overlap += expected == 2;
+      }
+  EXPECT_GT(overlap, 50u);
+}
+
+const Vec3 kNowhere[] = {Vec3(1e300, 0, 0), Vec3(0, -1e300, 1e300), Vec3(0, HUGE_VAL, 0),
+                         Vec3(std::nan(""), 0, 0), Vec3(0, 0, 3e10)};
+
+TEST(FarVertices, AreInSomeCell) {
+  SampledField lattice;
+  lattice.spacing = 0.25;
+  lattice.dims = {8, 8, 8};
+  EXPECT_EQ(cell_of(lattice, Vec3(0.3, -0.1, 1)), (LatticeCell{1, -1, 4}));
+  EXPECT_EQ(cell_of(lattice, Vec3(1e300, -HUGE_VAL, std::nan(""))),
+            (LatticeCell{kFarthestCell, -kFarthestCell, -kFarthestCell}));
+  for (const Vec3& x : kNowhere) {
+    const std::vector<LatticeCell> cells{cell_of(lattice, x), cell_of(lattice, -x), LatticeCell{0, 0, 0}};
+    EXPECT_TRUE(CellRegion(cells, 1000).too_large());
+  }
+}
+
+TEST(FarVertices, LeaveTheWindingNumbersElsewhere) {
+  const EllipsoidField ball(Vec3::Zero(), Mat3::Identity(), Vec3::Ones());
+  TriangleMesh mesh = extract_isosurface(ball, 0.3);
+  SampledField lattice = isosurface_lattice(ball, 0.25);
+  const std::vector<std::int8_t> expected = winding_numbers(mesh.position, mesh.triangles, lattice);
+  const int first = static_cast<int>(mesh.vertex_count());
+  mesh.position.insert(mesh.position.end(), {Vec3(5, 5, 5), Vec3(6, 5, 5), Vec3(5, 6, 5)});
+  for (const Vec3& x : kNowhere) {
+    std::vector<Vec3> position = mesh.position;
+    std::vector<Triangle> triangles = mesh.triangles;
+    position.push_back(x.cwiseAbs() + Vec3::Constant(5));
+    triangles.insert(triangles.end(), {{first, first + 1, first + 3}, {first + 3, first + 2, first}});
+    EXPECT_EQ(winding_numbers(position, triangles, lattice), expected) << x.transpose();
+  }
+}
+
+TEST(TriangleBins, FindFarFromTheOrigin) {
+  TriangleMesh mesh;
+  for (const Vec3& at : {Vec3(5e6, 1e7, 0), Vec3(5e6, 1e7, 1)})
+    mesh.position.insert(mesh.position.end(), {at, at + Vec3(1e-3, 0, 0), at + Vec3(0, 1e-3, 0)});
+  mesh.triangles = {{0, 1, 2}, {3, 4, 5}};
+  const TriangleBins bins(mesh, std::vector{0, 1}, 1e-4);  // 1e11 cells from the origin
+  for (int t = 0; t < 2; ++t) {
+    std::vector<int> found;
+    EXPECT_FALSE(bins.any_near(mesh.position[3 * t] + Vec3(2e-4, 2e-4, 0), [&](int near) {
+      found.push_back(near);
+      return false;
+    }));
+    EXPECT_EQ(found, std::vector{t});
+  }
+  for (const Vec3& x : kNowhere) EXPECT_FALSE(bins.any_near(x, [](int) { return true; }));
+}
+
+TEST(LatticeGuard, RefusesWhatSweepsFartherThanAMesh) {
+  const EllipsoidField ball(Vec3::Zero(), Mat3::Identity(), Vec3::Ones());
+  const LatticeGuard guard(ball, isosurface_lattice(ball, 0.25), 0.1);
+  for (const Vec3& x : kNowhere)
+    EXPECT_FALSE(guard.allows(Vec3(0, 0, 0), Vec3(1, 0.1, 0.2), Vec3(0, 1, 0.3), x)) << x.transpose();
+}
+
+TEST(SeenByLattice, LeavesOutWhatPassesBetweenThePoints) {
+  // A sphere, and a speck smaller than a cell.
+  const SampledField lattice{Vec3::Constant(-2), 0.25, 0, {17, 17, 17}, {}};
+  TriangleMesh sphere = extract_isosurface(lattice, [](SampledField& s) {
+    s.value.clear();
+    for (int k = 0; k < s.dims[2]; ++k)
+      for (int j = 0; j < s.dims[1]; ++j)
+        for (int i = 0; i < s.dims[0]; ++i)
+          s.value.push_back(
+              static_cast<float>(1 - (s.origin + s.spacing * Vec3(i, j, s.first_plane + k)).norm()));
+  });
+  const MeshTopology alone = mesh_topology(sphere.position, sphere.triangles);
+  EXPECT_EQ(alone.components, 1);
+  const int n = static_cast<int>(sphere.vertex_count());
+  for (const Vec3& d : {Vec3(0, 0, 0), Vec3(0.1, 0, 0), Vec3(0, 0.1, 0), Vec3(0, 0, 0.1)})
+    sphere.position.emplace_back(Vec3(1.55, 1.55, 1.55) + d);
+  for (const Triangle& t : {Triangle{0, 2, 1}, Triangle{0, 1, 3}, Triangle{1, 2, 3}, Triangle{2, 0, 3}})
+    sphere.triangles.push_back({t[0] + n, t[1] + n, t[2] + n});
+  EXPECT_EQ(mesh_topology(sphere.position, sphere.triangles).components, 2);
+  const TriangleMesh seen = seen_by_lattice(sphere, lattice);
+  const MeshTopology topology = mesh_topology(seen.position, seen.triangles);
+  EXPECT_EQ(topology.components, 1);
+  EXPECT_EQ(topology.genus, 0);
+}
+
+TEST(Boundary, LoopsRunAsTheTrianglesDo) {
+  // A square ring of eight triangles: the outer loop counter-clockwise, the inner one clockwise.
+  const std::vector<Triangle> ring{{0, 1, 4}, {1, 5, 4}, {1, 2, 5}, {2, 6, 5},
+                                   {2, 3, 6}, {3, 7, 6}, {3, 0, 7}, {0, 4, 7}};
+  const Boundary boundary = boundary_of(ring);
+  EXPECT_TRUE(boundary.pinched.empty());
+  ASSERT_EQ(boundary.loops.size(), 2u);
+  EXPECT_EQ(boundary.loops[0], (std::vector{0, 1, 2, 3}));
+  EXPECT_EQ(boundary.loops[1], (std::vector{4, 7, 6, 5}));
+}
+
+TEST(Boundary, PinchedVerticesAreFound) {
+  EXPECT_EQ(boundary_of(std::vector<Triangle>{{0, 1, 2}, {2, 3, 4}}).pinched, std::vector{2});
+  EXPECT_TRUE(boundary_of({}).loops.empty());
+}
+
+/// A loop of n points on a circle of the given radius about z, at height z, starting anywhere.
+std::vector<int> circle(int n, double radius, double z, double start, std::vector<Vec3>& position) {
+  std::vector<int> loop;
+  for (int i = 0; i < n; ++i) {
+    const double angle = start + 2 * std::numbers::pi * i / n;
+    loop.push_back(static_cast<int>(position.size()));
+    position.emplace_back(radius * std::cos(angle), radius * std::sin(angle), z);
+  }
+  return loop;
+}
+
+TEST(Strip, BetweenCirclesIsACylinderWhateverTheirStarts) {
+  for (const auto& [m, n, start] :
+       {std::tuple(12, 12, 0.0), std::tuple(12, 20, 1.0), std::tuple(31, 9, 4.0)}) {
+    std::vector<Vec3> position;
+    const std::vector<int> lower = circle(m, 1, 0, 0, position), upper = circle(n, 1, 0.4, start, position);
+    std::vector<Vec3> gradient;
+    for (const Vec3& x : position) gradient.emplace_back(-x[0], -x[1], 0);
+    const std::vector<Triangle> strip = strip_between(position, gradient, lower, upper);
+    EXPECT_EQ(strip.size(), static_cast<std::size_t>(m + n));
+    double area = 0;
+    for (const auto& [a, b, c] : strip) {
+      const Vec3 normal = (position[b] - position[a]).cross(position[c] - position[a]);
+      area += 0.5 * normal.norm();
+      EXPECT_GT(normal.dot(position[a] + position[b] + position[c] - Vec3(0, 0, normal[2])), 0);
+    }
+    EXPECT_NEAR(area, 2 * std::numbers::pi * 0.4, 0.1);
+    // Its boundary: the lower loop as it runs, the upper one against its run.
+    const Boundary boundary = boundary_of(strip);
+    ASSERT_EQ(boundary.loops.size(), 2u);
+    EXPECT_EQ(boundary.loops[0], lower);
+    std::vector<int> reversed(upper.rbegin(), upper.rend());
+    std::ranges::rotate(reversed, reversed.end() - 1);
+    EXPECT_EQ(boundary.loops[1], reversed);
+  }
+}
+
+TEST(Fill, OfACircleIsADisc) {
+  std::vector<Vec3> position;
+  const std::vector<int> loop = circle(17, 1, 0, 0.3, position);
+  const std::vector<Vec3> gradient(position.size(), Vec3(0, 0, -1));
+  const std::vector<Triangle> disc = fill_loop(position, gradient, loop);
+  EXPECT_EQ(disc.size(), 15u);
+  double area = 0;
+  for (const auto& [a, b, c] : disc)
+    area += 0.5 * (position[b] - position[a]).cross(position[c] - position[a])[2];
+  EXPECT_NEAR(area, 17 * 0.5 * std::sin(2 * std::numbers::pi / 17), 1e-12);
+  ASSERT_EQ(boundary_of(disc).loops.size(), 1u);
+  EXPECT_EQ(boundary_of(disc).loops[0], loop);
+}
+
+TEST(LocalIsosurface, VerticesAreOnTheSurfaceAndPiecesAddUp) {
+  const TorusField field(1, 0.4);
+  const SampledField lattice = isosurface_lattice(field, 0.15);
+  const auto& dims = lattice.dims;
+  const TriangleMesh whole = extract_isosurface(field, 0.15);
+  std::size_t triangles = 0;
+  const int middle = dims[0] / 2;
+  for (const auto& [first, last] : {std::pair(0, middle), std::pair(middle, dims[0] - 1)}) {
+    const LocalIsosurface part =
+        local_isosurface(field, lattice, {{first, 0, 0}, {last, dims[1] - 1, dims[2] - 1}}, 1e-9);
+    triangles += part.triangles.size();
+    for (std::size_t v = 0; v < part.position.size(); ++v) {
+      const ValueAndGradient at = field.value_and_gradient(part.position[v]);
+      EXPECT_LE(std::abs(at.f), 1e-9 * at.g.norm());
+      EXPECT_TRUE(part.exact[v]);
+      EXPECT_EQ(part.gradient[v], at.g);
+      const double plane = (part.position[v][0] - lattice.origin[0]) / lattice.spacing - middle;
+      EXPECT_EQ(part.at_side[v] != 0, std::abs(plane) < 1e-9);
+    }
+    // Two ends of a bent tube: two loops, all of it at the cut.
+    const Boundary boundary = boundary_of(part.triangles);
+    ASSERT_EQ(boundary.loops.size(), 2u);
+    for (const std::vector<int>& loop : boundary.loops)
+      for (const int v : loop) EXPECT_TRUE(part.at_side[v]);
+  }
+  EXPECT_EQ(triangles, whole.triangles.size());
+}
+
+TEST(LocalIsosurface, HoldsWhereTheGradientVanishes) {
+  // Two equal balls that touch in one point, which is on the lattice.
+  const ParticleField field(testing::rotating_particles({Vec3(-0.5, 0, 0), Vec3(0.5, 0, 0)}, 1.0, 0.0),
+                            2 * std::pow(0.75, 3), 0);
+  const SampledField lattice = isosurface_lattice(field, 0.25);
+  const LocalIsosurface iso = local_isosurface(
+      field, lattice, {{0, 0, 0}, {lattice.dims[0] - 1, lattice.dims[1] - 1, lattice.dims[2] - 1}}, 1e-6);
+  EXPECT_TRUE(boundary_of(iso.triangles).loops.empty());
+  for (const Vec3& x : iso.position) EXPECT_TRUE(x.allFinite());
+}
+
+TEST(IntersectingTriangles, AreThoseOfThePairs) {
+  const EllipsoidField ball(Vec3::Zero(), Mat3::Identity(), Vec3(1, 0.93, 0.87));
+  const TriangleMesh one = extract_isosurface(ball, 0.3);
+  EXPECT_TRUE(intersecting_triangles(one.position, one.triangles).empty());
+  std::vector<Vec3> position = one.position;
+  std::vector<Triangle> triangles = one.triangles;
+  const int n = static_cast<int>(position.size());
+  for (const Vec3& x : one.position) position.emplace_back(x + Vec3(1.23, 0.1, 0.2));
+  for (const auto& [a, b, c] : one.triangles) triangles.push_back({n + a, n + b, n + c});
+  const std::vector<int> crossing = intersecting_triangles(position, triangles);
+  EXPECT_GT(crossing.size(), 20u);
+  EXPECT_TRUE(std::ranges::is_sorted(crossing));
+  // Every one of them crosses another, and the rest crosses nothing.
+  std::vector<Triangle> rest;
+  for (int t = 0; t < static_cast<int>(triangles.size()); ++t)
+    if (!std::ranges::binary_search(crossing, t)) rest.push_back(triangles[t]);
+  EXPECT_EQ(self_intersections(position, rest), 0u);
+  for (const int t : crossing) {
+    std::vector<Triangle> with = rest;
+    for (const int other : crossing)
+      if ((other < static_cast<int>(one.triangles.size())) != (t < static_cast<int>(one.triangles.size())))
+        with.push_back(triangles[other]);
+    with.push_back(triangles[t]);
+    EXPECT_GT(self_intersections(position, with), 0u);
+  }
+}
+
+TEST(NearestOnTriangle, WeightsGiveThePointBack) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> along(-1, 1);
+  const auto point = [&] { return Vec3(along(random), along(random), along(random)); };
+  for (int n = 0; n < 100; ++n) {
+    const std::array<Vec3, 3> triangle{point(), point(), point()};
+    const Vec3 x = point(), nearest = nearest_on_triangle(triangle, x).point;
+    const Vec3 w = corner_weights(triangle, nearest);
+    EXPECT_NEAR(w.sum(), 1, 1e-12);
+    EXPECT_GE(w.minCoeff(), -1e-9);
+    EXPECT_LT((w[0] * triangle[0] + w[1] * triangle[1] + w[2] * triangle[2] - nearest).norm(), 1e-9);
+  }
+  EXPECT_TRUE(corner_weights({Vec3::Ones(), Vec3::Ones(), Vec3::Ones()}, Vec3::Zero())
+                  .isApprox(Vec3::Constant(1.0 / 3)));
+}
+
+}  // namespace
+}  // namespace kappaflow

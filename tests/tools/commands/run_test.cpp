@@ -1,0 +1,184 @@
+// Runs of the small staircase from end to end.
+#include <vtkDataArray.h>
+#include <vtkPointData.h>
+#include <vtk_jsoncpp.h>
+
+#include <cmath>
+#include <csignal>
+#include <map>
+#include <set>
+
+#include "scenes/scene.h"
+#include "tests/tools/commands/program.h"
+#include "tests/tools/scratch.h"
+#include "tests/tools/text_table.h"
+#include "tests/tools/vtk_reader.h"
+#include "tools/runs/metrics.h"
+#include "tools/runs/run_record.h"
+#include "tools/runs/timings.h"
+
+namespace kappaflow {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kSmallScene = KAPPAFLOW_SOURCE_DIR "/scenes/staircase-small.toml";
+const std::vector<std::string> kMethods{"total", "curvature"};
+constexpr int kFrames = 4;  // after the start, in 0.15 s at 25 a second: the last one is no multiple
+
+class Run : public Scratch {
+ protected:
+  ProgramResult run_small(const std::string& name) const {
+    return run_program({"run", kSmallScene, "--out", (folder / name).string(), "--threads", "1", "--duration",
+                        "0.15", "--track", "total,curvature", "--minimiser", "bfgs"});
+  }
+};
+
+void expect_finite(vtkPolyData& data) {
+  for (int a = 0; a < data.GetPointData()->GetNumberOfArrays(); ++a) {
+    vtkDataArray& array = *data.GetPointData()->GetArray(a);
+    EXPECT_EQ(array.GetNumberOfTuples(), data.GetNumberOfPoints()) << array.GetName();
+    for (int c = 0; c < array.GetNumberOfComponents(); ++c) {
+      double range[2];
+      array.GetRange(range, c);
+      EXPECT_TRUE(std::isfinite(range[0]) && std::isfinite(range[1])) << array.GetName();
+    }
+  }
+}
+
+void expect_files(const fs::path& run) {
+  for (int frame = 0; frame <= kFrames; ++frame) {
+    const std::string number = "000" + std::to_string(frame) + ".vtp";
+    const auto particles = read_vtp(run / "particles" / ("particles_" + number));
+    EXPECT_EQ(particles->GetNumberOfPoints(), 1000);
+    EXPECT_NE(particles->GetPointData()->GetArray("source"), nullptr);
+    expect_finite(*particles);
+    for (const std::string& method : kMethods) {
+      const auto surface = read_vtp(run / ("surface-" + method) / ("surface_" + number));
+      EXPECT_GT(surface->GetNumberOfPolys(), 500);
+      expect_finite(*surface);
+    }
+  }
+  EXPECT_GT(read_vtp(run / "boundary.vtp")->GetNumberOfPolys(), 10);
+  EXPECT_EQ(bytes_of(run / "run.toml"), bytes_of(kSmallScene));
+  for (const char* name : {"run.pvd", "particles.pvd", "surface-total.pvd", "surface-curvature.pvd"})
+    EXPECT_NE(bytes_of(run / name).find("timestep=\"0.15\""), std::string::npos) << name;
+}
+
+/// docs/outputs.md names every column, array and key that a run leaves.
+void expect_documented(const fs::path& run) {
+  const std::string page = bytes_of(KAPPAFLOW_SOURCE_DIR "/docs/outputs.md");
+  const auto expect_name = [&](const std::string& name) {
+    EXPECT_NE(page.find("`" + name + "`"), std::string::npos) << name;
+  };
+  for (const std::string& header : {metrics_header(), pieces_header(), timings_header()})
+    for (const std::string& column : split(header.substr(0, header.size() - 1), ',')) expect_name(column);
+  for (const char* file : {"particles/particles_0001.vtp", "surface-total/surface_0001.vtp"}) {
+    const auto data = read_vtp(run / file);
+    vtkPointData& arrays = *data->GetPointData();
+    for (int a = 0; a < arrays.GetNumberOfArrays(); ++a) expect_name(arrays.GetArrayName(a));
+  }
+  Json::Value record;
+  ASSERT_TRUE(Json::Reader().parse(bytes_of(run / "run.json"), record));
+  for (const std::string& key : record.getMemberNames()) expect_name(key);
+}
+
+void expect_metrics(const fs::path& run) {
+  const auto rows = read_table(run / "metrics.csv");
+  ASSERT_EQ(rows.size(), (kFrames + 1) * kMethods.size());
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const auto number = [&](const char* column) { return std::stod(rows[r].at(column)); };
+    EXPECT_EQ(rows[r].at("frame"), std::to_string(r / 2));
+    EXPECT_EQ(rows[r].at("method"), kMethods[r % 2]);
+    for (const auto& [column, cell] : rows[r])
+      EXPECT_TRUE(column == "method" || cell.empty() || std::isfinite(std::stod(cell))) << column;
+    EXPECT_LT(number("penetration_max"), 0.5);
+    EXPECT_LT(number("density_error_mean"), 1e-3);
+    EXPECT_LT(number("density_error_max"), 0.05);
+    EXPECT_LT(number("residual_max"), 0.01);
+    EXPECT_GT(number("quality_min"), 0.1);
+    EXPECT_NEAR(number("volume"), number("isosurface_volume"), 0.03 * number("isosurface_volume"));
+    EXPECT_EQ(rows[r].at("components"), "1");
+    EXPECT_EQ(rows[r].at("genus"), "0");
+    EXPECT_EQ(rows[r].at("unprojected"), "0");
+    EXPECT_GT(number("kept_fraction"), 0.5);
+    EXPECT_GT(number("kept_since_frame"), 0.8);
+    EXPECT_LT(number("angles_outside"), 1e-3);
+    EXPECT_EQ(rows[r].at("self_intersections"), "0");
+    EXPECT_LT(number("surface_without_mesh"), 0.2);
+  }
+  // The same material moves under both methods; the paper's method follows it better.
+  const auto& total = rows[rows.size() - 2];
+  const auto& curvature = rows[rows.size() - 1];
+  EXPECT_LT(std::stod(curvature.at("slip")), std::stod(total.at("slip")));
+  EXPECT_LT(std::stod(curvature.at("tracer_distance")), std::stod(total.at("tracer_distance")));
+}
+
+void expect_record(const fs::path& run) {
+  Json::Value record;
+  ASSERT_TRUE(Json::Reader().parse(bytes_of(run / "run.json"), record));
+  EXPECT_EQ(record["scene"]["text"].asString(), bytes_of(kSmallScene));
+  EXPECT_EQ(record["scene"]["hash"].asString(), text_hash(bytes_of(kSmallScene)));
+  EXPECT_EQ(record["threads"].asInt(), 1);
+  EXPECT_EQ(record["particles"].asInt(), 1000);
+  EXPECT_EQ(record["command"][1].asString(), "run");
+  EXPECT_EQ(record["options"]["duration"].asDouble(), 0.15);
+  EXPECT_EQ(record["methods"].size(), 2u);
+  EXPECT_EQ(record["minimiser"].asString(), "bfgs");
+  EXPECT_EQ(record["options"]["minimiser"].asString(), "bfgs");
+  EXPECT_GT(record["threshold"].asDouble(), 1);
+  EXPECT_NEAR(record["sigma"].asDouble(), 0.16, 1e-12);
+  EXPECT_TRUE(record["version"].isString());
+}
+
+TEST_F(Run, WritesEverythingAndStaysWithinItsLimits) {
+  const ProgramResult result = run_small("one");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.err, "") << "stderr is no terminal: no progress bar";
+  EXPECT_NE(result.out.find("paraview " + (folder / "one" / "run.pvd").string()), std::string::npos)
+      << result.out;
+  expect_files(folder / "one");
+  expect_metrics(folder / "one");
+  expect_record(folder / "one");
+  expect_documented(folder / "one");
+  EXPECT_EQ(read_table(folder / "one" / "timings.csv").size(), 2u * (kFrames + 1));
+}
+
+// A short run is a part of the scene's, and its surface has not grown yet.
+TEST_F(Run, TakesTheMemoryThatWasEstimated) {
+#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
+  GTEST_SKIP() << "the sanitizer holds memory of its own";
+#endif
+  const std::string scene = KAPPAFLOW_SOURCE_DIR "/scenes/staircase.toml";
+  const ProgramResult result =
+      run_program({"run", scene, "--out", (folder / "r").string(), "--duration", "0.04", "--quiet"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const double estimated = static_cast<double>(estimate(load_scene(scene), 1).memory_bytes),
+               taken = static_cast<double>(result.peak_memory);
+  EXPECT_LT(taken, 1.1 * estimated);
+  EXPECT_GT(taken, 0.5 * estimated);
+}
+
+TEST_F(Run, QuietPrintsNothing) {
+  const ProgramResult result = run_program({"run", kSmallScene, "--out", (folder / "r").string(),
+                                            "--duration", "0.01", "--track", "normal", "--quiet"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(result.out + result.err, "");
+}
+
+TEST_F(Run, InterruptLeavesWholeFrames) {
+  const ProgramResult result =
+      run_program({"run", kSmallScene, "--out", folder.string(), "--duration", "60", "--track", "total"}, {},
+                  {SIGINT, folder / "surface-total" / "surface_0001.vtp"});
+  EXPECT_EQ(result.exit_code, 130);
+  EXPECT_TRUE(result.err.starts_with("kappaflow: interrupted at t = ")) << result.err;
+  const auto rows = read_table(folder / "metrics.csv");
+  ASSERT_GE(rows.size(), 2u);
+  for (std::size_t frame = 0; frame < rows.size(); ++frame)
+    expect_finite(*read_vtp(folder / "surface-total" / ("surface_000" + std::to_string(frame) + ".vtp")));
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    EXPECT_NE(entry.path().extension(), ".tmp");
+}
+
+}  // namespace
+}  // namespace kappaflow

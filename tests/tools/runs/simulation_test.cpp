@@ -1,0 +1,100 @@
+#include "tools/runs/simulation.h"
+
+#include <algorithm>
+#include <memory>
+#include <set>
+#include <sstream>
+
+#include "core/saved_state.h"
+#include "tests/tools/everything_scene.h"
+#include "tests/tools/scratch.h"
+
+namespace kappaflow {
+namespace {
+
+class Simulations : public Scratch {};
+
+void expect_same(const Simulation& one, const Simulation& other) {
+  EXPECT_EQ(one.fluid().time(), other.fluid().time());
+  EXPECT_EQ(one.fluid().steps(), other.fluid().steps());
+  EXPECT_EQ(one.fluid().pressures(), other.fluid().pressures());
+  EXPECT_EQ(one.fluid().sources(), other.fluid().sources());
+  EXPECT_EQ(one.particles().position, other.particles().position);
+  EXPECT_EQ(one.particles().velocity, other.particles().velocity);
+  EXPECT_TRUE(std::ranges::equal(one.surfaces().tracers().position(), other.surfaces().tracers().position()));
+  EXPECT_TRUE(std::ranges::equal(one.surfaces().tracers().lost(), other.surfaces().tracers().lost()));
+  for (std::size_t m = 0; m < one.trackers().size(); ++m) {
+    const TriangleMesh &a = one.trackers()[m].mesh(), &b = other.trackers()[m].mesh();
+    EXPECT_EQ(a.position, b.position);
+    EXPECT_EQ(a.rest_position, b.rest_position);
+    EXPECT_EQ(a.source, b.source);
+    EXPECT_EQ(a.triangles, b.triangles);
+    EXPECT_EQ(a.id, b.id);
+  }
+}
+
+void expect_same(const SinceFrame& one, const SinceFrame& other) {
+  EXPECT_EQ(one.density_error_mean, other.density_error_mean);
+  EXPECT_EQ(one.density_error_max, other.density_error_max);
+  EXPECT_EQ(one.surfaces.residual_max, other.surfaces.residual_max);
+  for (std::size_t m = 0; m < one.surfaces.topology.size(); ++m)
+    EXPECT_EQ(one.surfaces.topology[m].vertices_born, other.surfaces.topology[m].vertices_born);
+}
+
+TEST_F(Simulations, SavedAndReadBackAfterEveryStepAreTheSame) {
+  const Scene scene = parse_scene(kEverythingScene, "everything.toml");
+  Simulation whole(scene);
+  auto saved = std::make_unique<Simulation>(scene);
+  int steps = 0;
+  std::size_t topology_changes = 0;
+  for (const double time : {0.025, 0.05, 0.075, 0.1, 0.12}) {
+    whole.advance(time, [](const FluidStep&) { return true; });
+    while (!saved->advance(time, [](const FluidStep&) { return false; })) {
+      std::stringstream state;
+      StateWriter(state, little_endian())(*saved);
+      saved = std::make_unique<Simulation>(scene);
+      StateReader archive(state);
+      archive(*saved);
+      ++steps;
+    }
+    expect_same(whole, *saved);
+    const SinceFrame since = whole.take_since_frame();
+    expect_same(since, saved->take_since_frame());
+    for (const TopologyCounts& counts : since.surfaces.topology) topology_changes += counts.replaced;
+    if (HasFailure()) break;
+  }
+  EXPECT_GT(steps, 20);
+  EXPECT_GT(topology_changes, 0u);
+  EXPECT_GT(whole.particles().size(), 400u);
+}
+
+/// How many of the mesh's vertices have the source of the particle that is nearest to them now.
+std::size_t of_nearest_particle(const Simulation& simulation, const TriangleMesh& mesh) {
+  const std::vector<int> source = simulation.fluid().sources();
+  const std::vector<Vec3>& position = simulation.particles().position;
+  std::size_t count = 0;
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+    const auto nearest =
+        std::ranges::min_element(position, {}, [&](const Vec3& x) { return (x - mesh.position[v]).norm(); });
+    count += mesh.source[v] == source[nearest - position.begin()];
+  }
+  return count;
+}
+
+TEST_F(Simulations, VerticesHaveTheSourceOfTheNearestParticle) {
+  Simulation simulation(parse_scene(kEverythingScene, "everything.toml"));
+  const TriangleMesh& mesh = simulation.trackers()[1].mesh();
+  EXPECT_EQ(of_nearest_particle(simulation, mesh), mesh.vertex_count());
+  EXPECT_EQ(std::set<int>(mesh.source.begin(), mesh.source.end()), (std::set{0, 1}));
+  // The second emitter, number 2, starts at 0.02 s, and its stream is born without parents.
+  for (const double time : {0.025, 0.05, 0.075, 0.1, 0.12}) {
+    simulation.advance(time, [](const FluidStep&) { return true; });
+    EXPECT_GE(static_cast<double>(of_nearest_particle(simulation, mesh)),
+              0.9 * static_cast<double>(mesh.vertex_count()))
+        << time;
+  }
+  EXPECT_EQ(std::set<int>(mesh.source.begin(), mesh.source.end()), (std::set{0, 1, 2})) << "all are known";
+}
+
+}  // namespace
+}  // namespace kappaflow

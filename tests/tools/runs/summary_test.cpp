@@ -1,0 +1,38 @@
+#include "tools/runs/summary.h"
+
+#include <gtest/gtest.h>
+
+namespace kappaflow {
+namespace {
+
+std::string text_after(double mean, double max, double tolerance) {
+  RunSummary summary;
+  summary.density_tolerance = tolerance;
+  FrameMetrics frame;
+  frame.penetration_max = 0.1;
+  frame.density_error_mean = mean;
+  frame.density_error_max = max;
+  summary.add_frame({}, 0, 0);
+  summary.add_frame(frame, 0, 0);
+  summary.methods.resize(1);
+  summary.methods[0].add_frame("total", {}, {});
+  return summary_text(summary, "A run", {}, "out/run");
+}
+
+// The first two are what the shipped scenes come to: honey, splash.
+TEST(Summary, WarnsOfLiquidThatWasSqueezed) {
+  EXPECT_EQ(text_after(1.8e-3, 0.15, 1e-4).find("warning"), std::string::npos);
+  EXPECT_EQ(text_after(6e-4, 0.37, 1e-4).find("warning"), std::string::npos);
+  EXPECT_EQ(text_after(1.8e-2, 0.15, 1e-3).find("warning"), std::string::npos) << "as was asked for";
+  EXPECT_NE(
+      text_after(2.5e-2, 0.15, 1e-4)
+          .find("\n  warning: the liquid was compressed far beyond density_tolerance (0.01 %): by 2.5 % in "
+                "the mean, 15 % at a particle; lower max_time_step or cfl, or raise "
+                "max_pressure_iterations\n"),
+      std::string::npos);
+  EXPECT_NE(text_after(6e-4, 0.43, 1e-4).find(": by 0.06 % in the mean, 43 % at a particle; "),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace kappaflow

@@ -1,0 +1,181 @@
+#include "tools/commands/command_line.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "surface/motion/velocity.h"
+#include "tools/commands/command_options.h"
+#include "tools/commands/command_words.h"
+
+namespace kappaflow {
+namespace {
+
+std::string experiment_lines() {
+  std::string text = "Experiments:\n";
+  for (const Experiment& experiment : experiments())
+    text += fmt::format("  {:<24} {}\n", experiment.name, experiment.summary);
+  return text + fmt::format("  {:<24} {}\n  {:<24} {}\n", "all",
+                            "those that are no validation, without --quick all but enright-exact", "validate",
+                            "all validations of the solver: names that begin with \"validate-\"");
+}
+
+}  // namespace
+
+void add_track(CLI::App& app, CommandLine& line) {
+  CLI::App* track = app.add_subcommand("track", "Track the surface of particles that another program wrote");
+  track
+      ->add_option(
+          "FILES", line.track.inputs,
+          "Particles, a file a frame (.vtk, .vtp, .vtu, .bgeo, .hdf5, .csv): names or a pattern in quotes")
+      ->required();
+  track->add_option("--out", line.track.folder, "Folder for the results (default: out/<name of the files>)");
+  add_methods(*track, "--velocity", line.track.methods,
+              "Velocity methods (default: material; regional where neither velocities nor ids are known)");
+  add_positive(*track, "--fps", line.track.frames_per_second,
+               "Frames a second, where the files hold no times");
+  add_positive(*track, "--sigma", line.track.sigma,
+               "Radius of a particle's field in metres (default: 2 particle spacings)");
+  add_positive(*track, "--threshold", line.track.threshold,
+               "Value of the field at its surface (default: half its median at the particles)");
+  track
+      ->add_option_function<std::string>(
+          "--weights",
+          [&line](const std::string& name) {
+            line.track.weights = name == "uniform" ? WeightRule::uniform : WeightRule::normalised;
+          },
+          "Weights of the particles: uniform, or normalised, which keeps lone drops (default: uniform)")
+      ->type_name("NAME")
+      ->check(one_of({"uniform", "normalised"}));
+  add_formats(*track, line.track.formats);
+  add_threads(*track, line.threads);
+  add_force_and_quiet(*track, "run", line.track.force, line.track.quiet);
+  track->footer(method_lines() + "\n" +
+                footer("kappaflow track 'frames/*.vtk' --velocity regional --fps 25 --out out/tracked"));
+}
+
+void add_check(CLI::App& app, CommandLine& line) {
+  CLI::App* check = app.add_subcommand("check", "Check a scene and say what it will cost");
+  check->add_option("SCENE", line.check_scene, "Scene file (.toml)")->required();
+  add_threads(*check, line.threads);
+  check->footer(footer("kappaflow check scenes/staircase.toml"));
+}
+
+void add_benchmark(CLI::App& app, CommandLine& line) {
+  CLI::App* benchmark =
+      app.add_subcommand("benchmark", "Time the solver's phases on a scene, at several sizes and threads");
+  benchmark->add_option("SCENE", line.benchmark.scene, "Scene file (.toml)")->required();
+  benchmark
+      ->add_option("--particles", line.benchmark.particles,
+                   "Numbers of particles, reached by another spacing (default: the scene's)")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->type_name("NUMBERS")
+      ->check(whole_number(100, 100000000));
+  benchmark->add_option("--threads", line.benchmark.threads, "Numbers of threads (default: all cores)")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->type_name("NUMBERS")
+      ->check(whole_number(1, 1024));
+  benchmark->add_option("--steps", line.benchmark.steps, "Solver steps to measure (default: 20)")
+      ->check(whole_number(1, 100000));
+  benchmark->add_option("--out", line.benchmark.csv, "The table as CSV too");
+  benchmark->footer(
+      footer("kappaflow benchmark scenes/staircase.toml --particles 10000,100000 --threads 1,2"));
+}
+
+void add_probe(CLI::App& app, CommandLine& line) {
+  CLI::App* probe =
+      app.add_subcommand("probe", "Print field, derivatives, curvatures and velocities at points, as CSV");
+  probe
+      ->add_option(
+          "PARTICLES", line.probe.particles,
+          "Particles: .vtp with arrays velocity, weight, sigma, or .csv with x,y,z,vx,vy,vz,weight,sigma")
+      ->required();
+  probe->add_option("POINTS", line.probe.points, "Points: .csv with x,y,z")->required();
+  probe->add_option("--threshold", line.probe.threshold, "T of Eq. 12; that of a run is in its run.json")
+      ->required()
+      ->check(number_in("a number", [](double) { return true; }));
+  for (const VelocityMethod& method : velocity_methods()) line.probe.methods.emplace_back(method.name);
+  add_methods(*probe, "--methods", line.probe.methods, "Velocity methods to evaluate (default: all)");
+  add_minimiser(*probe, "closed-form", [&line](Minimiser minimiser) { line.probe.minimiser = minimiser; });
+  probe->footer(
+      method_lines() + "\n" +
+      footer("kappaflow probe out/staircase/particles/particles_0010.vtp points.csv --threshold 4.96 "
+             "--methods total,curvature"));
+}
+
+void add_render(CLI::App& app, CommandLine& line) {
+  CLI::App* render = app.add_subcommand("render", "Draw the surfaces of a run side by side");
+  render->add_option("DIR", line.render.folder, "Run folder")->required();
+  render->add_option("--out", line.render.out,
+                     "Picture (.png) or film (.mp4, by ffmpeg) (default: film.mp4 in the run folder)");
+  render->add_option("--frame", line.render.frame, "Frame of a picture (default: the last one)")
+      ->check(whole_number(0, 9999999));
+  add_positive(*render, "--fps", line.render.frames_per_second,
+               "Frames a second of a film (default: as fast as the liquid moves)");
+  add_methods(*render, "--methods", line.render.methods, "Methods to draw (default: those of the run)");
+  render->add_option("--columns", line.render.columns, "Panels a row (default: all in one row)")
+      ->check(whole_number(1, 100));
+  render->add_option(
+      "--colour", line.render.colour,
+      "What colours the surfaces: checker, or any point array of theirs, vectors by their length "
+      "(default: checker)");
+  add_numbers(
+      *render, "--range", "LOW,HIGH", 2,
+      [&line](const std::vector<double>& ends) {
+        line.render.range = {ends[0], ends[1]};
+      },
+      "Values at the ends of the colour bar (default: those that 98 % of the vertices lie within)");
+  const auto direction = [](std::optional<Vec3>& set) {
+    return [&set](const std::vector<double>& v) { set = Vec3(v.data()); };
+  };
+  add_numbers(*render, "--view", "X,Y,Z", 3, direction(line.render.view_from),
+              "Direction from the liquid to the viewer (default: the scene's)");
+  add_numbers(*render, "--up", "X,Y,Z", 3, direction(line.render.view_up),
+              "What points up (default: the scene's; y for tracked files)");
+  render->footer(
+      footer("kappaflow render out/staircase --out picture.png --frame 40\n"
+             "  kappaflow render out/staircase --methods total,regional --colour mean_curvature"));
+}
+
+void add_compare(CLI::App& app, CommandLine& line) {
+  CLI::App* compare = app.add_subcommand("compare", "Set the metrics of runs and methods side by side");
+  compare->add_option("DIR", line.compare.runs, "Run folders")->required();
+  compare->add_option("--out", line.compare.folder,
+                      "Folder for the table as CSV and Markdown, and a plot of each metric over time");
+  compare->footer(footer("kappaflow compare out/staircase out/tracked --out out/compared"));
+}
+
+void add_experiment(CLI::App& app, CommandLine& line) {
+  CLI::App* experiment = app.add_subcommand(
+      "experiment", "Repeat the paper's figures, with a report of what holds and what does not");
+  experiment
+      ->add_option_function<std::vector<std::string>>(
+          "NAMES",
+          [&line](const std::vector<std::string>& words) {
+            for (const std::string& word : words)
+              std::ranges::move(list_elements(word), std::back_inserter(line.experiment.names));
+            if (line.experiment.names.empty()) throw CLI::RequiredError("NAMES");
+          },
+          "Experiments, see below")
+      ->required()
+      ->type_name("");
+  experiment->add_option("--out", line.experiment.folder, "Folder for report.html and the results")
+      ->required();
+  experiment->add_flag("--quick", line.experiment.quick,
+                       "A smaller variant of each; the report says what is smaller");
+  add_minimiser(*experiment, "closed-form",
+                [&line](Minimiser minimiser) { line.experiment.minimiser = minimiser; });
+  experiment->add_option("--scenes", line.experiment.scenes,
+                         "Folder with the experiments' files (default: those that came with the program)");
+  add_threads(*experiment, line.threads);
+  add_force_and_quiet(*experiment, "report", line.experiment.force, line.experiment.quiet);
+  experiment->footer(experiment_lines() + "\n" + footer("kappaflow experiment fig4 fig5 --out out/figures"));
+}
+
+}  // namespace kappaflow

@@ -1,0 +1,40 @@
+// What the command line can say, command by command.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+
+#include "tools/commands/benchmark.h"
+#include "tools/commands/compare.h"
+#include "tools/commands/probe.h"
+#include "tools/experiments/experiment.h"
+#include "tools/pictures/render.h"
+#include "tools/runs/run.h"
+#include "tools/runs/track.h"
+
+namespace kappaflow {
+
+/// Everything that the command line can say.
+struct CommandLine {
+  RunOptions run;
+  double duration = 0;
+  TrackOptions track;
+  std::filesystem::path check_scene;
+  BenchmarkOptions benchmark;
+  ProbeOptions probe;
+  RenderOptions render;
+  CompareOptions compare;
+  ExperimentOptions experiment;
+  int threads = 0;  // 0: all cores
+};
+
+/// Each adds its command and the options of it, which set members of `line`; that must outlive `app`.
+void add_track(CLI::App& app, CommandLine& line);
+void add_check(CLI::App& app, CommandLine& line);
+void add_benchmark(CLI::App& app, CommandLine& line);
+void add_probe(CLI::App& app, CommandLine& line);
+void add_render(CLI::App& app, CommandLine& line);
+void add_compare(CLI::App& app, CommandLine& line);
+void add_experiment(CLI::App& app, CommandLine& line);
+
+}  // namespace kappaflow

@@ -1,0 +1,51 @@
+// What the options of the commands have in common.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "surface/motion/velocity.h"
+#include "tools/io/mesh_formats.h"
+
+namespace kappaflow {
+
+/// The end of a help text: the example, and the exit codes.
+std::string footer(const std::string& example);
+
+/// The velocity methods, a line each.
+std::string method_lines();
+
+/// Refuse words, and say what is allowed: finite numbers, described by `what`; whole numbers; names.
+CLI::Validator number_in(const std::string& what, const std::function<bool(double)>& allowed);
+CLI::Validator whole_number(long lowest, long highest);
+CLI::Validator one_of(const std::vector<std::string_view>& names);
+
+void add_threads(CLI::App& command, int& threads);
+
+/// An option that takes names of velocity methods, between commas.
+void add_methods(CLI::App& command, const std::string& name, std::vector<std::string>& methods,
+                 const std::string& text);
+
+/// --minimiser; calls `set` where it is given. fallback: what help texts say of where it is not.
+void add_minimiser(CLI::App& command, const std::string& fallback, const std::function<void(Minimiser)>& set);
+
+/// --format: mesh files beside VTK's, which are always written.
+void add_formats(CLI::App& command, std::vector<MeshFormat>& formats);
+
+/// --force and --quiet. held: what the folder may already hold.
+void add_force_and_quiet(CLI::App& command, const std::string& held, bool& force, bool& quiet);
+
+/// An option that takes a number above 0.
+void add_positive(CLI::App& command, const std::string& name, std::optional<double>& value,
+                  const std::string& text);
+
+/// An option that takes `count` numbers in one word, between commas, as `form` shows them; calls `set` with
+/// them.
+void add_numbers(CLI::App& command, const std::string& name, const std::string& form, std::size_t count,
+                 const std::function<void(const std::vector<double>&)>& set, const std::string& text);
+
+}  // namespace kappaflow

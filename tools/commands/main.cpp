@@ -1,0 +1,161 @@
+// The command line: what it accepts, and how errors leave the program.
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/errors.h"
+#include "core/version.h"
+#include "scenes/scene.h"
+#include "tools/commands/command_line.h"
+#include "tools/commands/command_options.h"
+#include "tools/commands/command_words.h"
+#include "tools/pictures/virtual_display.h"
+#include "tools/runs/check.h"
+#include "tools/runs/run_record.h"
+
+namespace {
+
+using namespace kappaflow;
+
+constexpr int kExitUsage = 2;
+constexpr int kExitUnexpected = 1;
+constexpr int kExitFile = 5;
+
+void reject_repeated(const std::string& option, const std::vector<std::string>& names) {
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (std::find(names.begin(), names.begin() + i, names[i]) != names.begin() + i)
+      throw InvalidInput(fmt::format("{}: \"{}\" is named twice", option, names[i]));
+}
+
+void add_run(CLI::App& app, CommandLine& line) {
+  CLI::App* run = app.add_subcommand("run", "Simulate a scene and track its surface");
+  CLI::Option* scene = run->add_option("SCENE", line.run.scene, "Scene file (.toml)");
+  CLI::Option* resume = run->add_option("--resume", line.run.resume,
+                                        "Go on with the interrupted run in this folder, with its options")
+                            ->type_name("DIR");
+  run->add_option("--out", line.run.folder, "Folder for the results (default: out/<name of the scene>)");
+  add_methods(*run, "--track", line.run.methods, "Velocity methods to track with (default: the scene's)");
+  run->add_option("--duration", line.duration, "Simulated time in seconds (default: the scene's)")
+      ->check(number_in("a number of seconds above 0", [](double value) { return value > 0; }));
+  add_minimiser(*run, "the scene's", [&line](Minimiser minimiser) { line.run.minimiser = minimiser; });
+  add_formats(*run, line.run.formats);
+  add_threads(*run, line.threads);
+  run->add_flag("--force", line.run.force, "Replace the run that the folder already holds");
+  run->add_flag("--quiet", line.run.quiet, "Print errors only");
+  for (const char* name : {"--out", "--track", "--duration", "--minimiser", "--format", "--force"})
+    resume->excludes(run->get_option(name));
+  run->callback([scene, resume] {
+    if (scene->empty() && resume->empty()) throw CLI::RequiredError("SCENE or --resume");
+  });
+  run->footer(method_lines() + "\n" +
+              footer("kappaflow run scenes/staircase.toml --track total,curvature --threads 4\n"
+                     "  kappaflow run --resume out/staircase"));
+}
+
+// CLI11 breaks some of its messages over lines.
+std::string one_line(std::string text) {
+  for (std::size_t end = 0; (end = text.find('\n')) != std::string::npos;)
+    text.replace(end, 1, end + 1 == text.size() ? "" : "; ");
+  return text;
+}
+
+int execute(const CLI::App& app, CommandLine& line) {
+  if (app.got_subcommand("run")) {
+    reject_repeated("--track", line.run.methods);
+    line.run.threads = line.threads;
+    if (line.duration > 0) line.run.duration = line.duration;
+    return run(line.run);
+  }
+  if (app.got_subcommand("track")) {
+    reject_repeated("--velocity", line.track.methods);
+    line.track.threads = line.threads;
+    return track(line.track);
+  }
+  if (app.got_subcommand("check")) fmt::print("{}", check_text(load_scene(line.check_scene), line.threads));
+  if (app.got_subcommand("benchmark")) {
+    if (line.benchmark.threads.empty()) line.benchmark.threads = {line.threads};
+    fmt::print("{}", benchmark(line.benchmark));
+  }
+  if (app.got_subcommand("probe")) fmt::print("{}", probe(line.probe));
+  if (app.got_subcommand("compare")) fmt::print("{}", compare(line.compare));
+  if (app.got_subcommand("render")) {
+    const VirtualDisplay display;
+    return render(line.render);
+  }
+  if (app.got_subcommand("experiment")) {
+    const VirtualDisplay display;
+    line.experiment.threads = line.threads;
+    run_experiments(line.experiment);
+  }
+  return 0;
+}
+
+/// Also with more threads than there are cores.
+int execute_with_threads(const CLI::App& app, CommandLine& line) {
+  if (line.threads == 0) line.threads = tbb::this_task_arena::max_concurrency();
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                  static_cast<std::size_t>(line.threads));
+  return tbb::task_arena(line.threads).execute([&] { return execute(app, line); });
+}
+
+int refuse(const CLI::App& app, const std::string& what) {
+  const auto commands = app.get_subcommands();
+  fmt::print(stderr, "kappaflow: error: {}; see kappaflow {}--help\n", what,
+             commands.empty() ? "" : commands.front()->get_name() + " ");
+  return kExitUsage;
+}
+
+int parse_and_execute(int argc, char** argv) {
+  CommandLine line;
+  line.run.command.assign(argv, argv + argc);
+  line.track.command = line.run.command;
+  line.experiment.command = line.run.command;
+  CLI::App app("kappaflow: viscous SPH liquids with a tracked, textured surface", "kappaflow");
+  app.set_version_flag("--version", fmt::format("kappaflow {}\n{}", kVersion, build_description()));
+  app.footer(footer("kappaflow run scenes/staircase.toml\n  kappaflow help run"));
+  app.require_subcommand(1);
+  add_run(app, line);
+  add_track(app, line);
+  add_check(app, line);
+  add_benchmark(app, line);
+  add_probe(app, line);
+  add_render(app, line);
+  add_experiment(app, line);
+  add_compare(app, line);
+  std::vector<std::string> words = understood_words(app, {argv + 1, argv + argc});
+  std::ranges::reverse(words);  // as CLI11 takes them
+  try {
+    app.parse(std::move(words));
+  } catch (const CLI::Success& help_or_version) {
+    return app.remaining().empty() ? app.exit(help_or_version) : refuse(app, misunderstood(app));
+  } catch (const CLI::ParseError& error) {
+    const std::string what = misunderstood(app);
+    return refuse(app, what.empty() ? one_line(error.what()) : what);
+  }
+  return execute_with_threads(app, line);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return parse_and_execute(argc, argv);
+  } catch (const kappaflow::Error& error) {
+    fmt::print(stderr, "kappaflow: error: {}\n", error.what());
+    return error.exit_code();
+  } catch (const std::filesystem::filesystem_error& error) {
+    fmt::print(stderr, "kappaflow: error: {}: {}\n", error.path1().string(), error.code().message());
+    return kExitFile;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "kappaflow: error: {}\n", one_line(error.what()));
+    return kExitUnexpected;
+  }
+}

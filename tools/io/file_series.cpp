@@ -1,0 +1,230 @@
+#include "tools/io/file_series.h"
+
+#include <fmt/format.h>
+#include <glob.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <set>
+#include <string_view>
+#include <system_error>
+#include <tuple>
+
+#include "core/errors.h"
+
+namespace kappaflow {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A name cut into its numbers and the texts around them: texts has one entry more.
+struct NumberedName {
+  fs::path file;
+  std::vector<std::string> texts;
+  std::vector<std::string> digits;
+  std::uint64_t number = 0;  ///< what the file is sorted by
+};
+
+bool is_digit(char c) {
+  return c >= '0' && c <= '9';
+}
+
+NumberedName numbered(const std::string& file) {
+  NumberedName name{file, {}, {}};
+  const char *at = file.data(), *const end = at + file.size();
+  while (true) {
+    const char* const digits = std::find_if(at, end, is_digit);
+    name.texts.emplace_back(at, digits);
+    if (digits == end) return name;
+    at = std::find_if_not(digits, end, is_digit);
+    name.digits.emplace_back(digits, at);
+  }
+}
+
+std::uint64_t value_of(const std::string& digits, const fs::path& file) {
+  std::uint64_t value = 0;
+  if (std::from_chars(digits.data(), digits.data() + digits.size(), value).ec != std::errc())
+    throw InvalidInput({file.string()}, "a number in the name is too long");
+  return value;
+}
+
+struct FreeGlob {
+  void operator()(glob_t* found) const { globfree(found); }
+};
+
+/// The name with the home folder for a ~ that begins it.
+std::string with_home(const std::string& name) {
+  const char* const home = std::getenv("HOME");
+  return home != nullptr && name.starts_with("~/") ? home + name.substr(1) : name;
+}
+
+/// The pattern with what glob() takes for wildcards escaped in the names of folders that are there.
+std::string with_literal_folders(const fs::path& pattern) {
+  std::string escaped;
+  fs::path folder;
+  std::error_code ignored;  // a folder that cannot be examined is none
+  for (const fs::path& part : pattern) {
+    folder /= part;
+    if (!escaped.empty() && escaped.back() != '/') escaped += '/';
+    const bool literal = fs::is_directory(folder, ignored);
+    for (const char c : part.string()) {
+      if (literal && std::string_view("*?[]\\").find(c) != std::string_view::npos) escaped += '\\';
+      escaped += c;
+    }
+  }
+  return escaped;
+}
+
+std::vector<std::string> expanded(std::span<const std::string> patterns) {
+  std::vector<std::string> files;
+  for (const std::string& given : patterns) {
+    std::error_code ignored;  // what cannot be examined is looked for as a pattern
+    const std::string pattern = with_home(given);
+    if (fs::is_directory(pattern, ignored))
+      throw InvalidInput(fmt::format("{0} is a folder; name the files in it, e.g. '{0}/*.vtk'", pattern));
+    if (fs::exists(pattern, ignored)) {  // a name, whatever characters it has
+      files.push_back(pattern);
+      continue;
+    }
+    glob_t found{};
+    const std::unique_ptr<glob_t, FreeGlob> guard(&found);
+    if (glob(with_literal_folders(pattern).c_str(), 0, nullptr, &found) != 0)
+      throw IoError(given, "there is no such file");
+    files.insert(files.end(), found.gl_pathv, found.gl_pathv + found.gl_pathc);
+  }
+  return files;
+}
+
+/// The number that the names differ in: digits from `begin` to `end`, of which there are two where it is a
+/// decimal number.
+struct VaryingNumber {
+  std::size_t begin = 0, end = 0;
+  int places = 0;  ///< after the point
+
+  double value(std::uint64_t number) const { return static_cast<double>(number) / std::pow(10, places); }
+};
+
+[[noreturn]] void refuse_as_different(const NumberedName& a, const NumberedName& b) {
+  throw InvalidInput(
+      fmt::format("{} and {} belong to different series; name the files of one, whose "
+                  "names differ in one number",
+                  a.file.string(), b.file.string()));
+}
+
+/// Which digits the names differ in, as many as there are. Throws InvalidInput where all else is not the
+/// same.
+VaryingNumber varying_digits(const std::vector<NumberedName>& names) {
+  const NumberedName& first = names.front();
+  VaryingNumber varying{first.digits.size(), 0};
+  for (const NumberedName& name : names) {
+    if (name.texts != first.texts) refuse_as_different(first, name);
+    for (std::size_t n = 0; n < first.digits.size(); ++n) {
+      if (value_of(name.digits[n], name.file) == value_of(first.digits[n], first.file)) continue;
+      varying.begin = std::min(varying.begin, n);
+      varying.end = std::max(varying.end, n + 1);
+    }
+    const bool decimal = varying.end == varying.begin + 2 && first.texts[varying.begin + 1] == ".";
+    if (varying.end > varying.begin + 1 && !decimal) refuse_as_different(first, name);
+  }
+  return varying;
+}
+
+/// Whether the digits count something, as 8, 9, 10 or 08, 09, 10 do: no zeros in front but for equal lengths.
+bool are_counters(const std::vector<NumberedName>& names, std::size_t n) {
+  const std::size_t length = names.front().digits[n].size();
+  const auto same_length = [&](const NumberedName& name) { return name.digits[n].size() == length; };
+  const auto bare = [&](const NumberedName& name) {
+    return name.digits[n].size() == 1 || !name.digits[n].starts_with('0');
+  };
+  return std::ranges::all_of(names, same_length) || std::ranges::all_of(names, bare);
+}
+
+/// Finds the number that the names differ in, and each one's. What follows a point is decimal places unless
+/// it alone differs, and counts: run1.9, run1.10.
+VaryingNumber read_numbers(std::vector<NumberedName>& names) {
+  VaryingNumber varying = varying_digits(names);
+  const std::size_t n = varying.begin;
+  if (varying.end == n + 1 && n > 0 && names.front().texts[n] == "." && !are_counters(names, n))
+    --varying.begin;
+  const bool decimal = varying.end == varying.begin + 2;
+  std::size_t places = 0;
+  if (decimal)
+    for (const NumberedName& name : names) places = std::max(places, name.digits[varying.begin + 1].size());
+  varying.places = static_cast<int>(places);
+  for (NumberedName& name : names) {
+    if (varying.begin >= varying.end) continue;
+    std::string digits = name.digits[varying.begin];
+    if (decimal) {
+      digits += name.digits[varying.begin + 1];
+      digits.append(places - name.digits[varying.begin + 1].size(), '0');
+    }
+    name.number = value_of(digits, name.file);
+  }
+  return varying;
+}
+
+std::string series_name(const NumberedName& name, const VaryingNumber& varying) {
+  std::string before = name.texts[0];
+  for (std::size_t n = 0; n < varying.begin; ++n)
+    before += std::to_string(value_of(name.digits[n], name.file)) + name.texts[n + 1];
+  before = fs::path(before).filename();
+  before.erase(before.find_last_not_of("_-. ") + 1);
+  return before.empty() ? "particles" : before;
+}
+
+/// How much the number goes up from each file to the next.
+std::vector<std::uint64_t> steps_of(const std::vector<NumberedName>& names) {
+  std::vector<std::uint64_t> steps;
+  for (std::size_t i = 1; i < names.size(); ++i) steps.push_back(names[i].number - names[i - 1].number);
+  return steps;
+}
+
+/// The most frequent step; of several the one that most others are multiples of, of several the largest.
+std::uint64_t usual_step(const std::vector<std::uint64_t>& steps) {
+  const std::set<std::uint64_t> different(steps.begin(), steps.end());
+  const auto rank = [&](std::uint64_t step) {
+    const auto is_multiple = [&](std::uint64_t other) { return other % step == 0; };
+    return std::tuple(std::ranges::count(steps, step), std::ranges::count_if(different, is_multiple), step);
+  };
+  return *std::ranges::max_element(different, {}, rank);
+}
+
+std::string gap_in(const std::vector<NumberedName>& names, const VaryingNumber& varying) {
+  const std::vector<std::uint64_t> steps = steps_of(names);
+  const std::uint64_t usual = usual_step(steps);
+  const auto odd = std::ranges::find_if(steps, [&](std::uint64_t step) { return step != usual; });
+  if (odd == steps.end()) return {};
+  const auto i = odd - steps.begin();
+  return fmt::format("{}{} comes after {}, and elsewhere the number goes up by {}",
+                     *odd % usual == 0 ? "a file is missing: " : "the frames are not equally far apart: ",
+                     names[i + 1].file.string(), names[i].file.string(), varying.value(usual));
+}
+
+}  // namespace
+
+FileSeries file_series(std::span<const std::string> patterns) {
+  std::vector<NumberedName> names;
+  for (const std::string& file : expanded(patterns)) names.push_back(numbered(file));
+  if (names.size() < 2)
+    throw InvalidInput(
+        fmt::format("{} is one file; a sequence takes two or more", names.front().file.string()));
+  const VaryingNumber varying = read_numbers(names);
+  std::ranges::sort(names, {}, [](const NumberedName& name) { return std::pair(name.number, name.file); });
+  for (std::size_t i = 1; i < names.size(); ++i)
+    if (names[i].number == names[i - 1].number)
+      throw InvalidInput(
+          fmt::format("{} and {} have the same number", names[i - 1].file.string(), names[i].file.string()));
+  FileSeries series;
+  for (const NumberedName& name : names) series.files.push_back(name.file);
+  series.name = series_name(names.front(), varying);
+  series.step = varying.value(usual_step(steps_of(names)));
+  series.is_decimal = varying.places > 0;
+  series.gap = gap_in(names, varying);
+  return series;
+}
+
+}  // namespace kappaflow

@@ -1,0 +1,216 @@
+#include "tools/io/input_frame.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <initializer_list>
+#include <limits>
+#include <string_view>
+
+#include "core/errors.h"
+#include "core/text_scanner.h"
+#include "tools/io/bgeo_file.h"
+#include "tools/io/number_table.h"
+#include "tools/io/point_data.h"
+#include "tools/io/pysph_file.h"
+#include "tools/io/vtk_points.h"
+
+namespace kappaflow {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kFluidType = 3;  // DualSPHysics: 0 fixed, 1 moving, 2 floating, 3 fluid
+constexpr int kLocalTag = 0;   // PySPH: 0 local, 1 remote, 2 ghost
+
+using VectorNames = std::array<std::string_view, 3>;
+constexpr VectorNames kPositionNames{"x", "y", "z"};
+constexpr std::array<VectorNames, 2> kVelocityNames{{{"vx", "vy", "vz"}, {"u", "v", "w"}}};
+const std::initializer_list<std::string_view> kIdNames{"id", "ids", "idp", "gid", "particle_id"};
+
+/// The components of a vector: of one array, or of three.
+struct VectorArrays {
+  std::array<const PointArray*, 3> array{};
+  std::string name;
+
+  Vec3 at(std::size_t i) const {
+    if (array[1] == nullptr) return Vec3(&array[0]->values[3 * i]);
+    return {array[0]->values[i], array[1]->values[i], array[2]->values[i]};
+  }
+};
+
+VectorArrays find_velocity(const std::vector<PointArray>& arrays) {
+  if (const PointArray* array = find_array(arrays, {"velocity", "velocities", "vel", "v"}, 3))
+    return {{array}, array->name};
+  for (const VectorNames& names : kVelocityNames) {
+    VectorArrays found{{}, fmt::format("{}", fmt::join(names, ", "))};
+    for (std::size_t c = 0; c < 3; ++c) found.array[c] = find_array(arrays, {names[c]}, 1);
+    if (std::ranges::count(found.array, nullptr) == 0) return found;
+  }
+  return {};
+}
+
+/// The points that are liquid and belong to this file.
+std::vector<std::size_t> chosen_points(const PointData& data) {
+  const auto& arrays = data.arrays;
+  const PointArray* type =
+      find_array(arrays, {"idp"}, 1) != nullptr ? find_array(arrays, {"type"}, 1) : nullptr;
+  const PointArray* tag =
+      find_array(arrays, {"gid"}, 1) != nullptr ? find_array(arrays, {"tag"}, 1) : nullptr;
+  std::vector<std::size_t> chosen;
+  for (std::size_t i = 0; i < data.position.size(); ++i)
+    if ((type == nullptr || type->values[i] == kFluidType) && (tag == nullptr || tag->values[i] == kLocalTag))
+      chosen.push_back(i);
+  return chosen;
+}
+
+std::int64_t whole_id(double number, const fs::path& file) {
+  constexpr double kEndOfExact = 9007199254740992;  // 2^53
+  if (number != std::floor(number) || !(std::abs(number) < kEndOfExact))
+    throw InvalidInput({file.string()}, fmt::format("the id {} is not a whole number below 2^53", number));
+  return static_cast<std::int64_t>(number);
+}
+
+void copy_scalar(const PointArray* array, const std::vector<std::size_t>& chosen,
+                 std::vector<float>& values) {
+  if (array == nullptr) return;
+  for (const std::size_t i : chosen) values.push_back(static_cast<float>(array->values[i]));
+}
+
+/// Nothing where one of them is no whole number: then the array is something else, say a source of heat.
+void copy_names(const PointArray* array, const std::vector<std::size_t>& chosen, std::vector<int>& names) {
+  constexpr double kLargest = std::numeric_limits<int>::max();
+  if (array == nullptr) return;
+  const auto is_name = [&](std::size_t i) {
+    const double x = array->values[i];
+    return x == std::floor(x) && std::abs(x) <= kLargest;
+  };
+  if (!std::ranges::all_of(chosen, is_name)) return;
+  for (const std::size_t i : chosen) names.push_back(static_cast<int>(array->values[i]));
+}
+
+/// An array that goes by the name of ids or velocities and cannot be them is a mistake, not another quantity.
+void check_components(const std::vector<PointArray>& arrays, std::initializer_list<std::string_view> names,
+                      std::size_t components, const fs::path& file) {
+  if (find_array(arrays, names, components) != nullptr) return;
+  for (const PointArray& array : arrays)
+    if (find_array(arrays, names, array.components) == &array)
+      throw InvalidInput({file.string()}, fmt::format("array \"{}\" has {} components; expected {}",
+                                                      array.name, array.components, components));
+}
+
+InputFrame frame_from_points(const PointData& points, const fs::path& file) {
+  const std::vector<PointArray>& arrays = points.arrays;
+  check_components(arrays, kIdNames, 1, file);
+  check_components(arrays, {"velocity", "velocities", "vel"}, 3, file);
+  const std::vector<std::size_t> chosen = chosen_points(points);
+  InputFrame frame;
+  frame.left_out = points.position.size() - chosen.size();
+  for (const std::size_t i : chosen) frame.position.push_back(points.position[i]);
+  if (const PointArray* id = find_array(arrays, kIdNames, 1)) {
+    frame.id_name = id->name;
+    for (const std::size_t i : chosen) frame.id.push_back(whole_id(id->values[i], file));
+  }
+  if (const VectorArrays velocity = find_velocity(arrays); velocity.array[0] != nullptr) {
+    frame.velocity_name = velocity.name;
+    for (const std::size_t i : chosen) frame.velocity.push_back(velocity.at(i));
+  }
+  copy_scalar(find_array(arrays, {"density", "rho", "rhop"}, 1), chosen, frame.density);
+  copy_scalar(find_array(arrays, {"pressure", "press", "p"}, 1), chosen, frame.pressure);
+  copy_names(find_array(arrays, {"source"}, 1), chosen, frame.source);
+  if (const PointArray* time = find_array(points.fields, {"timevalue", "time"}, 1);
+      time != nullptr && !time->values.empty())
+    frame.time = time->values[0];
+  return frame;
+}
+
+/// Where the velocities' columns are; nowhere where there are none. Two of three are a mistake.
+std::vector<std::size_t> velocity_columns(const NumberTable& table) {
+  const auto is_there = [&](std::string_view name) { return !table.find({&name, 1}).empty(); };
+  std::vector<std::size_t> columns = table.find(kVelocityNames[0]);
+  if (!columns.empty()) return columns;
+  if (std::ranges::any_of(kVelocityNames[0], is_there)) table.refuse_header();
+  return table.find(kVelocityNames[1]);
+}
+
+InputFrame frame_from_csv(const fs::path& file) {
+  const NumberTable table(
+      file, "x,y,z or id,x,y,z or x,y,z,vx,vy,vz or id,x,y,z,vx,vy,vz, in any order, perhaps among others");
+  InputFrame frame;
+  std::vector<std::size_t> columns = table.find(kPositionNames);
+  if (columns.empty()) table.refuse_header();
+  const std::vector<std::size_t> velocity = velocity_columns(table);
+  for (const std::size_t column : velocity) columns.push_back(column);
+  for (const std::string_view name : kIdNames)
+    if (const std::vector<std::size_t> id = table.find({&name, 1}); !id.empty() && frame.id_name.empty()) {
+      frame.id_name = name;
+      columns.push_back(id[0]);
+    }
+  for (const std::vector<double>& row : table.rows(columns)) {
+    frame.position.emplace_back(row[0], row[1], row[2]);
+    if (!velocity.empty()) frame.velocity.emplace_back(row[3], row[4], row[5]);
+    if (!frame.id_name.empty()) frame.id.push_back(whole_id(row.back(), file));
+  }
+  if (!velocity.empty())
+    frame.velocity_name = fmt::format(
+        "{}",
+        fmt::join(velocity == table.find(kVelocityNames[0]) ? kVelocityNames[0] : kVelocityNames[1], ", "));
+  return frame;
+}
+
+bool is_finite(const Vec3& v) {
+  return v.allFinite();
+}
+bool is_finite(double x) {
+  return std::isfinite(x);
+}
+std::string text_of(const Vec3& v) {
+  return fmt::format("({}, {}, {})", v[0], v[1], v[2]);
+}
+std::string text_of(double x) {
+  return fmt::format("{}", x);
+}
+
+template <class Value>
+void check_finite(const std::vector<Value>& values, const char* what, const InputFrame& frame,
+                  const fs::path& file) {
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (is_finite(values[i])) continue;
+    const std::string name = frame.id.empty() ? fmt::format("number {}", i) : fmt::format("{}", frame.id[i]);
+    throw InvalidInput({file.string()}, fmt::format("the {} of particle {} is {}; it must be finite", what,
+                                                    name, text_of(values[i])));
+  }
+}
+
+}  // namespace
+
+InputFrame read_input_frame(const fs::path& file) {
+  const std::string kind = lower_case(file.extension().string());
+  if (kind == ".npz")
+    throw InvalidInput({file.string()}, "is NumPy's; tools/pysph/to_vtk.py writes its particles as .vtk");
+  if (kind != ".vtk" && kind != ".vtp" && kind != ".vtu" && kind != ".bgeo" && kind != ".hdf5" &&
+      kind != ".csv")
+    throw InvalidInput({file.string()},
+                       "unknown kind of particle file; expected .vtk, .vtp, .vtu, .bgeo, .hdf5 or .csv");
+  InputFrame frame = kind == ".csv"    ? frame_from_csv(file)
+                     : kind == ".bgeo" ? frame_from_points(read_bgeo(file), file)
+                     : kind == ".hdf5" ? frame_from_points(read_pysph(file), file)
+                                       : frame_from_points(read_vtk_points(file), file);
+  if (frame.position.empty())
+    throw InvalidInput(
+        {file.string()},
+        frame.left_out == 0
+            ? std::string("holds no particles")
+            : fmt::format("holds no liquid: all {} particles are of walls or ghosts", frame.left_out));
+  check_finite(frame.position, "position", frame, file);
+  check_finite(frame.velocity, "velocity", frame, file);
+  check_finite(frame.density, "density", frame, file);
+  check_finite(frame.pressure, "pressure", frame, file);
+  if (frame.time && !std::isfinite(*frame.time))
+    throw InvalidInput({file.string()}, fmt::format("its time is {} s; it must be finite", *frame.time));
+  return frame;
+}
+
+}  // namespace kappaflow

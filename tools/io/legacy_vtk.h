@@ -1,0 +1,16 @@
+// Points in legacy VTK files.
+#pragma once
+
+#include <string_view>
+
+#include "tools/io/point_data.h"
+
+namespace kappaflow {
+
+/// The points of a legacy VTK file (.vtk, text or binary) that holds polydata or an unstructured grid, with
+/// the arrays of its points and its field arrays. Cells and their arrays are skipped. Trusts nothing in the
+/// file, and throws InvalidInput that says what is wrong. Written here because VTK 9.1's reader crashes on
+/// damaged files, and asks for as much memory as they claim to need.
+PointData parse_legacy_vtk(std::string_view bytes);
+
+}  // namespace kappaflow

@@ -1,0 +1,365 @@
+#include "tools/io/particle_sequence.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <span>
+#include <tuple>
+#include <utility>
+
+#include "core/errors.h"
+#include "core/nearest_points.h"
+#include "core/quantile.h"
+
+namespace kappaflow {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Indices of the particles in ascending order of their ids.
+std::vector<std::size_t> order_by_id(std::span<const std::int64_t> id) {
+  std::vector<std::size_t> order(id.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return id[i]; });
+  return order;
+}
+
+template <class T>
+std::vector<T> ordered(const std::vector<T>& values, std::span<const std::size_t> order) {
+  std::vector<T> result;
+  if (values.empty()) return result;
+  result.reserve(order.size());
+  for (const std::size_t i : order) result.push_back(values[i]);
+  return result;
+}
+
+/// An id that several particles have.
+std::optional<std::int64_t> repeated_id(std::vector<std::int64_t> id) {
+  std::ranges::sort(id);
+  const auto found = std::ranges::adjacent_find(id);
+  return found == id.end() ? std::nullopt : std::optional(*found);
+}
+
+using IndexPairs = std::span<const std::pair<std::size_t, std::size_t>>;
+
+/// Pairs of particles with the same id, by their indices in both frames. No id occurs twice in a frame.
+std::vector<std::pair<std::size_t, std::size_t>> pairs_by_id(const InputFrame& before,
+                                                             const InputFrame& after) {
+  const std::vector<std::size_t> a = order_by_id(before.id), b = order_by_id(after.id);
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  for (std::size_t i = 0, j = 0; i < a.size() && j < b.size();) {
+    const std::int64_t id = before.id[a[i]], other = after.id[b[j]];
+    if (id == other) pairs.emplace_back(a[i], b[j]);
+    i += id <= other;
+    j += other <= id;
+  }
+  return pairs;
+}
+
+/// How far particles move between frames, beside what their velocities say.
+struct Displacements {
+  double along_velocity = 0;  // sum of displacement . velocity [m2/s]
+  double velocity2 = 0;       // sum of |velocity|^2 [m2/s2]
+  double displacement2 = 0;   // sum of |displacement|^2 [m2]
+
+  void add(const InputFrame& before, const InputFrame& after, IndexPairs pairs) {
+    for (const auto& [p, q] : pairs) {
+      const Vec3 displacement = after.position[q] - before.position[p];
+      const Vec3 velocity = 0.5 * (before.velocity[p] + after.velocity[q]);
+      along_velocity += displacement.dot(velocity);
+      velocity2 += velocity.squaredNorm();
+      displacement2 += displacement.squaredNorm();
+    }
+  }
+
+  bool any_motion() const { return along_velocity > 0; }
+  double frames_per_second() const { return velocity2 / along_velocity; }  // by least squares
+  /// Share of the displacements that velocities account for, in [0, 1].
+  double agreement() const { return along_velocity * along_velocity / (velocity2 * displacement2); }
+};
+
+/// How particles move in a frame beside their neighbours: medians [m].
+struct NeighbourMotion {
+  double spacing;  // to a neighbour
+  double own;      // a particle's motion, less that of all
+  double apart;    // a particle's motion, less its neighbour's
+};
+
+NeighbourMotion neighbour_motion(const InputFrame& before, const InputFrame& after, IndexPairs pairs) {
+  Vec3 mean = Vec3::Zero();
+  std::array<std::vector<Vec3>, 2> place, motion;  // of every other particle, and of those between them
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const Vec3& from = before.position[pairs[k].first];
+    place[k % 2].push_back(from);
+    motion[k % 2].push_back(after.position[pairs[k].second] - from);
+    mean += motion[k % 2].back() / static_cast<double>(pairs.size());
+  }
+  const std::vector<std::uint32_t> neighbour = nearest_points(place[1], place[0]);
+  std::vector<double> spacing, own, apart;
+  for (std::size_t i = 0; i < neighbour.size(); ++i) {
+    spacing.push_back((place[0][i] - place[1][neighbour[i]]).norm());
+    own.push_back((motion[0][i] - mean).norm());
+    apart.push_back((motion[0][i] - motion[1][neighbour[i]]).norm());
+  }
+  return {quantile(spacing, 0.5), quantile(own, 0.5), quantile(apart, 0.5)};
+}
+
+/// A sentence where ids do not follow the particles from a frame to the next: where no particle is in both,
+/// or where neighbours part, by spacings. A liquid's move alike, however far they move in a frame;
+/// docs/track.md has what was measured.
+std::string wrong_ids(const InputFrame& before, const InputFrame& after, IndexPairs pairs,
+                      const fs::path& file, const fs::path& next) {
+  constexpr std::size_t kLeastPairs = 30;
+  constexpr double kLeastSpacings = 1, kLeastShare = 0.7;
+  if (pairs.empty())
+    return fmt::format("no id of {} is in {}: do the ids follow the particles?", file.string(),
+                       next.string());
+  if (pairs.size() < kLeastPairs) return {};
+  const NeighbourMotion motion = neighbour_motion(before, after, pairs);
+  if (!(motion.apart > kLeastSpacings * motion.spacing) || !(motion.apart > kLeastShare * motion.own))
+    return {};
+  return fmt::format(
+      "from {} to {} particles part from their neighbours by {:.2g} spacings: do the ids follow the "
+      "particles?",
+      file.string(), next.string(), motion.apart / motion.spacing);
+}
+
+/// What the first reading of all files finds out.
+struct Survey {
+  std::vector<std::optional<double>> time;
+  std::vector<std::size_t> particles;
+  Displacements displacements;
+  std::string repeated;    // where an id is used twice; empty: nowhere
+  std::string wrong_ids;   // where ids do not follow the particles; empty: nowhere
+  std::string coincident;  // where particles are in the places of others; empty: nowhere
+  std::string id_name, velocity_name;
+  std::size_t left_out = 0;
+};
+
+std::string coincidence_note(const InputFrame& frame, const fs::path& file) {
+  const Coincidence found = coincident_particles(frame.position);
+  if (found.count == 0) return {};
+  const auto name = [&](std::size_t i) {
+    return frame.id.empty() ? fmt::format("number {}", i) : fmt::format("{}", frame.id[i]);
+  };
+  return fmt::format("{} particles of {} are where others are, e.g. {} and {}", found.count, file.string(),
+                     name(found.first), name(found.second));
+}
+
+void check_same_array(const char* what, const std::string& first_name, const std::string& name,
+                      const fs::path& first, const fs::path& file) {
+  if (first_name.empty() == name.empty()) return;
+  const bool missing = name.empty();
+  throw InvalidInput({(missing ? file : first).string()},
+                     fmt::format("has no {}; {} has them (\"{}\")", what, (missing ? first : file).string(),
+                                 missing ? first_name : name));
+}
+
+Survey survey(const std::vector<fs::path>& files) {
+  Survey found;
+  InputFrame before;
+  for (const fs::path& file : files) {
+    InputFrame frame = read_input_frame(file);
+    const bool is_first = found.time.empty();
+    if (is_first) found.id_name = frame.id_name, found.velocity_name = frame.velocity_name;
+    check_same_array("ids", found.id_name, frame.id_name, files.front(), file);
+    check_same_array("velocities", found.velocity_name, frame.velocity_name, files.front(), file);
+    if (!is_first && frame.time.has_value() != found.time.front().has_value())
+      throw InvalidInput({file.string()},
+                         fmt::format("{} a time; {} {}", frame.time ? "holds" : "lacks",
+                                     files.front().string(), frame.time ? "does not" : "does"));
+    if (!is_first && frame.time && !(*frame.time > *found.time.back()))
+      throw InvalidInput({file.string()},
+                         fmt::format("its time, {} s, is not after that of the file before, {} s",
+                                     *frame.time, *found.time.back()));
+    if (const auto id = repeated_id(frame.id); id && found.repeated.empty())
+      found.repeated = fmt::format("{} has several particles with the id {}", file.string(), *id);
+    if (found.coincident.empty()) found.coincident = coincidence_note(frame, file);
+    if (!is_first && found.repeated.empty() && !frame.id.empty()) {
+      const auto pairs = pairs_by_id(before, frame);
+      if (!frame.velocity.empty()) found.displacements.add(before, frame, pairs);
+      if (found.wrong_ids.empty())
+        found.wrong_ids = wrong_ids(before, frame, pairs, files[found.time.size() - 1], file);
+    }
+    found.time.push_back(frame.time);
+    found.particles.push_back(frame.position.size());
+    found.left_out += frame.left_out;
+    before = std::move(frame);
+  }
+  return found;
+}
+
+/// What is said about ids, velocities and particles that are left out.
+std::vector<std::string> array_notes(const Survey& s, ParticleSequence::Velocity velocity) {
+  std::vector<std::string> notes;
+  const auto [fewest, most] = std::ranges::minmax(s.particles);
+  notes.push_back(fewest == most ? fmt::format("{} particles", most)
+                                 : fmt::format("{} to {} particles", fewest, most));
+  if (s.id_name.empty())
+    notes.emplace_back("no ids: particles are not matched between frames");
+  else if (!s.repeated.empty())
+    notes.push_back(fmt::format("ids \"{}\" cannot be used: {}", s.id_name, s.repeated));
+  else
+    notes.push_back(fmt::format("matched by id (\"{}\")", s.id_name));
+  using enum ParticleSequence::Velocity;
+  if (velocity == given) notes.push_back(fmt::format("velocities from \"{}\"", s.velocity_name));
+  if (velocity == estimated) notes.emplace_back("no velocities: estimated from positions by id");
+  if (velocity == unknown)
+    notes.emplace_back("no velocities: point clouds, tracked by the change of their field");
+  if (s.left_out > 0)
+    notes.push_back(fmt::format("{} particles of walls or ghosts are left out, over all frames", s.left_out));
+  return notes;
+}
+
+std::optional<std::string> displacement_note(const Survey& s, double frames_per_second) {
+  constexpr double kLeastAgreement = 0.5, kTolerance = 0.1;
+  const Displacements& d = s.displacements;
+  if (!d.any_motion()) return std::nullopt;
+  if (d.agreement() < kLeastAgreement)
+    return fmt::format(
+        "velocities account for {:.0f} % of how particles with the same id move: do the ids follow "
+        "the particles?",
+        100 * d.agreement());
+  if (std::abs(d.frames_per_second() / frames_per_second - 1) > kTolerance)
+    return fmt::format("velocities and displacements fit {:.3g} frames a second, not {:.3g}",
+                       d.frames_per_second(), frames_per_second);
+  return std::nullopt;
+}
+
+/// What is known of frames a second where nobody has said it.
+std::string rate_hint(const Survey& s, const FileSeries& series) {
+  if (s.displacements.any_motion())
+    return fmt::format(" (velocities and displacements fit {:.3g})", s.displacements.frames_per_second());
+  if (series.is_decimal) return fmt::format(" ({:.6g} if the names hold seconds)", 1 / series.step);
+  return {};
+}
+
+std::vector<double> frame_times(const Survey& s, std::optional<double> frames_per_second,
+                                const FileSeries& series) {
+  std::vector<double> time;
+  for (std::size_t k = 0; k < s.time.size(); ++k) {
+    if (!s.time[k] && !frames_per_second)
+      throw InvalidInput(
+          fmt::format("{}: the files hold no times; say how many frames a second they are by --fps{}",
+                      series.name, rate_hint(s, series)));
+    time.push_back(s.time[k] ? *s.time[k] : static_cast<double>(k) / *frames_per_second);
+  }
+  return time;
+}
+
+/// The derivative at time t of the polynomial through (time, position), of which there are one to three.
+Vec3 derivative_at(double t, std::span<const double> time, std::span<const Vec3> position) {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t i = 0; i < time.size(); ++i)  // Lagrange: d/dt prod_j (t - t_j)/(t_i - t_j), j != i
+    for (std::size_t j = 0; j < time.size(); ++j) {
+      if (j == i) continue;
+      double slope = 1 / (time[i] - time[j]);
+      for (std::size_t k = 0; k < time.size(); ++k)
+        if (k != i && k != j) slope *= (t - time[k]) / (time[i] - time[k]);
+      sum += slope * position[i];
+    }
+  return sum;
+}
+
+}  // namespace
+
+Coincidence coincident_particles(std::span<const Vec3> position) {
+  std::vector<std::size_t> order(position.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto key = [&](std::size_t i) {
+    return std::tuple(position[i].x(), position[i].y(), position[i].z(), i);
+  };
+  std::ranges::sort(order, {}, key);
+  Coincidence found;
+  for (std::size_t k = 1; k < order.size(); ++k) {
+    if (position[order[k]] != position[order[k - 1]]) continue;
+    if (found.count++ > 0 && order[k] > found.second) continue;
+    found.first = order[k - 1];
+    found.second = order[k];
+  }
+  return found;
+}
+
+ParticleSequence::ParticleSequence(FileSeries series, std::optional<double> frames_per_second)
+    : series_(std::move(series)) {
+  const Survey found = survey(series_.files);
+  if (!found.time.front() && !series_.gap.empty())
+    throw InvalidInput(fmt::format("{}; files without times must be equally far apart", series_.gap));
+  time_ = frame_times(found, frames_per_second, series_);
+  matched_ = !found.id_name.empty() && found.repeated.empty();
+  using enum Velocity;
+  velocity_ = !found.velocity_name.empty() ? given : matched_ ? estimated : unknown;
+  first_id_.resize(size());
+  std::exclusive_scan(found.particles.begin(), found.particles.end(), first_id_.begin(), std::size_t{0});
+
+  notes_ = array_notes(found, velocity_);
+  const double mean_rate = static_cast<double>(size() - 1) / (time_.back() - time_.front());
+  notes_.push_back(fmt::format("times {} to {:.6g} s, {}", time_.front(), time_.back(),
+                               found.time.front() ? std::string("from the files")
+                                                  : fmt::format("{} frames a second", *frames_per_second)));
+  if (!found.time.front() && series_.step != 1)
+    notes_.push_back(fmt::format("numbers go up by {:.6g}: taken as consecutive frames, {:.4g} s apart",
+                                 series_.step, 1 / *frames_per_second));
+  if (found.time.front() && frames_per_second) notes_.emplace_back("--fps is not used: the files hold times");
+  if (!series_.gap.empty()) notes_.push_back(series_.gap);
+  if (!found.coincident.empty()) notes_.push_back(found.coincident);
+  if (!found.wrong_ids.empty())
+    notes_.push_back(found.wrong_ids);
+  else if (const auto note = displacement_note(found, mean_rate))
+    notes_.push_back(*note);
+}
+
+const InputFrame& ParticleSequence::input(std::size_t frame) {
+  if (const auto found = inputs_.find(frame); found != inputs_.end()) return found->second;
+  constexpr std::size_t kKept = 3;
+  if (inputs_.size() == kKept) inputs_.erase(inputs_.begin());
+  return inputs_.emplace(frame, read_input_frame(file(frame))).first->second;
+}
+
+SequenceFrame ParticleSequence::frame(std::size_t frame) {
+  const InputFrame& now = input(frame);
+  std::vector<std::size_t> order(now.position.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  if (matched_) order = order_by_id(now.id);
+  SequenceFrame result{{time(frame), {}, ordered(now.position, order), ordered(now.velocity, order)},
+                       ordered(now.density, order),
+                       ordered(now.pressure, order),
+                       ordered(now.source, order)};
+  Particles& particles = result.particles;
+  particles.id = ordered(now.id, order);
+  if (!matched_) {
+    particles.id.resize(order.size());
+    std::iota(particles.id.begin(), particles.id.end(), static_cast<std::int64_t>(first_id_[frame]));
+  }
+  if (velocity_ == Velocity::unknown) particles.velocity.assign(order.size(), Vec3::Zero());
+  if (velocity_ == Velocity::estimated) estimate_velocities(frame, particles);
+  return result;
+}
+
+void ParticleSequence::estimate_velocities(std::size_t frame, Particles& particles) {
+  const std::size_t window = std::min<std::size_t>(3, size());
+  const std::size_t first = std::min(frame == 0 ? 0 : frame - 1, size() - window);
+  std::vector<std::vector<double>> times(particles.size());
+  std::vector<std::vector<Vec3>> places(particles.size());
+  for (std::size_t k = first; k < first + window; ++k) {
+    const InputFrame& near = input(k);
+    const std::vector<std::size_t> order = order_by_id(near.id);
+    for (std::size_t i = 0, j = 0; i < particles.size() && j < order.size();) {
+      const std::int64_t id = particles.id[i], other = near.id[order[j]];
+      if (id == other) {
+        times[i].push_back(time(k));
+        places[i].push_back(near.position[order[j]]);
+      }
+      i += id <= other;
+      j += other <= id;
+    }
+  }
+  particles.velocity.resize(particles.size());
+  for (std::size_t i = 0; i < particles.size(); ++i)
+    particles.velocity[i] = derivative_at(time(frame), times[i], places[i]);
+}
+
+}  // namespace kappaflow

@@ -1,0 +1,75 @@
+// The particles of another program's simulation, frame by frame.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/particles.h"
+#include "tools/io/file_series.h"
+#include "tools/io/input_frame.h"
+
+namespace kappaflow {
+
+/// One frame with everything that tracking needs; one entry a particle in every array.
+struct SequenceFrame {
+  Particles particles;                   ///< sorted by id
+  std::vector<float> density, pressure;  ///< as InputFrame has them; empty where unknown
+  std::vector<int> source;               ///< likewise
+};
+
+/// Particles that are exactly where others are: how many, and the first two in one place.
+struct Coincidence {
+  std::size_t count = 0;
+  std::size_t first = 0, second = 0;
+};
+Coincidence coincident_particles(std::span<const Vec3> position);
+
+/// A series of particle files, checked when it is opened and read again frame by frame.
+class ParticleSequence {
+ public:
+  /// What is known about the particles' velocities.
+  enum class Velocity {
+    given,      ///< the files have them
+    estimated,  ///< from positions, paired by id
+    unknown,    ///< there are neither velocities nor usable ids: the frames are point clouds
+  };
+
+  /// Reads every file once. frames_per_second: where the files hold no times; the first one is then at 0 s.
+  /// Throws what read_input_frame() throws, and InvalidInput where a file lacks an array that the first one
+  /// has, times do not ascend, there are no times at all, or a file seems to be missing.
+  ParticleSequence(FileSeries series, std::optional<double> frames_per_second);
+
+  const std::string& name() const { return series_.name; }
+  std::size_t size() const { return series_.files.size(); }
+  const std::filesystem::path& file(std::size_t frame) const { return series_.files[frame]; }
+  double time(std::size_t frame) const { return time_[frame]; }  ///< [s]
+  /// Whether ids say which particle is which in the next frame.
+  bool matched() const { return matched_; }
+  Velocity velocity() const { return velocity_; }
+  /// What a user should know about the files, a sentence or so each.
+  const std::vector<std::string>& notes() const { return notes_; }
+
+  /// Reads a frame. Where particles are not matched, ids are new in every frame. Estimated velocities are
+  /// the derivative of the parabola through a particle's places in this frame and those before and after (at
+  /// the ends of the sequence: the nearest three frames), of the line where it is in two of them; a particle
+  /// that is in none but this is at rest.
+  SequenceFrame frame(std::size_t frame);
+
+ private:
+  const InputFrame& input(std::size_t frame);
+  void estimate_velocities(std::size_t frame, Particles& particles);
+
+  FileSeries series_;
+  std::vector<double> time_;
+  std::vector<std::size_t> first_id_;  // of each frame where particles are not matched
+  bool matched_ = false;
+  Velocity velocity_ = Velocity::unknown;
+  std::vector<std::string> notes_;
+  std::map<std::size_t, InputFrame> inputs_;  // those read last
+};
+
+}  // namespace kappaflow

@@ -1,0 +1,139 @@
+#include "tools/io/vtk_xml_binary.h"
+
+#include <fmt/format.h>
+#include <vtkCallbackCommand.h>
+#include <vtkLZ4DataCompressor.h>
+#include <vtkLZMADataCompressor.h>
+#include <vtkNew.h>
+#include <vtkSmartPointer.h>
+#include <vtkZLibDataCompressor.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
+#include "core/errors.h"
+#include "core/text_scanner.h"
+
+namespace kappaflow {
+namespace {
+
+/// No compressor of VTK's makes blocks smaller by more than this factor; a damaged size can.
+constexpr std::size_t kMostCompressed = 8192;
+
+[[noreturn]] void fail_short() {
+  throw InvalidInput("has binary data that end early");
+}
+
+constexpr int kNoDigit = -1, kPadding = -2;
+
+int base64_digit(char c) {
+  if (c >= 'A' && c <= 'Z') return c - 'A';
+  if (c >= 'a' && c <= 'z') return c - 'a' + 26;
+  if (c >= '0' && c <= '9') return c - '0' + 52;
+  if (c == '+') return 62;
+  if (c == '/') return 63;
+  return c == '=' ? kPadding : kNoDigit;
+}
+
+/// Bytes one after the other, decoded as they are asked for: several pieces of base64, each padded to four
+/// characters, may follow one another.
+class Bytes {
+ public:
+  Bytes(std::string_view text, bool base64) : text_(text), base64_(base64) {}
+
+  std::string read(std::size_t count) {
+    if (count > text_.size() + decoded_.size()) fail_short();
+    std::string result;
+    if (!base64_) {
+      result = text_.substr(0, count);
+      text_.remove_prefix(count);
+      return result;
+    }
+    while (decoded_.size() < count) decode_four();
+    result = decoded_.substr(0, count);
+    decoded_.erase(0, count);
+    return result;
+  }
+  std::size_t at_most() const { return text_.size() + decoded_.size(); }
+
+ private:
+  void decode_four() {
+    std::uint32_t group = 0;
+    int digits = 0;
+    for (int i = 0; i < 4; ++i) {
+      text_.remove_prefix(std::min(text_.find_first_not_of(" \t\r\n"), text_.size()));
+      if (text_.empty()) fail_short();
+      const int digit = base64_digit(text_.front());
+      if (digit == kNoDigit || (digit != kPadding && digits < i) || (digit == kPadding && i < 2))
+        throw InvalidInput(
+            fmt::format("has \"{}\" where base64 is expected", one_line(text_.substr(0, 1), 1)));
+      group = group << 6 | static_cast<std::uint32_t>(std::max(digit, 0));
+      digits += digit != kPadding;
+      text_.remove_prefix(1);
+    }
+    for (int byte = 0; byte + 1 < digits; ++byte) decoded_ += static_cast<char>(group >> (16 - 8 * byte));
+  }
+
+  std::string_view text_;
+  bool base64_;
+  std::string decoded_;  // and not yet read
+};
+
+std::size_t read_size(Bytes& bytes, const DataEncoding& encoding) {
+  const NumberType type = encoding.long_header ? NumberType::uint64 : NumberType::uint32;
+  const double size = binary_numbers(bytes.read(bytes_of(type, 1)), type, encoding.order)[0];
+  constexpr double kLargest = 9007199254740992;  // 2^53
+  if (size >= kLargest) throw InvalidInput("has a size in its binary data that is not possible");
+  return static_cast<std::size_t>(size);
+}
+
+vtkSmartPointer<vtkDataCompressor> compressor_of(std::string_view name) {
+  vtkSmartPointer<vtkDataCompressor> compressor;
+  if (name == "vtkZLibDataCompressor") compressor = vtkSmartPointer<vtkZLibDataCompressor>::New();
+  if (name == "vtkLZ4DataCompressor") compressor = vtkSmartPointer<vtkLZ4DataCompressor>::New();
+  if (name == "vtkLZMADataCompressor") compressor = vtkSmartPointer<vtkLZMADataCompressor>::New();
+  if (compressor == nullptr)
+    throw InvalidInput(
+        fmt::format("is compressed by \"{}\"; expected vtkZLibDataCompressor, "
+                    "vtkLZ4DataCompressor or vtkLZMADataCompressor",
+                    one_line(name, 40)));
+  compressor->AddObserver(vtkCommand::ErrorEvent, vtkNew<vtkCallbackCommand>());  // prints nothing of its own
+  return compressor;
+}
+
+std::string uncompressed(Bytes& bytes, const DataEncoding& encoding) {
+  const vtkSmartPointer<vtkDataCompressor> compressor = compressor_of(encoding.compressor);
+  const std::size_t blocks = read_size(bytes, encoding), size = read_size(bytes, encoding),
+                    last = read_size(bytes, encoding);
+  if (blocks > bytes.at_most()) fail_short();
+  std::vector<std::size_t> compressed(blocks);
+  for (std::size_t& c : compressed) c = read_size(bytes, encoding);
+  std::string result;
+  for (std::size_t b = 0; b < blocks; ++b) {
+    const std::string block = bytes.read(compressed[b]);
+    const std::size_t expected = b + 1 == blocks && last != 0 ? last : size;
+    if (expected / kMostCompressed > block.size())
+      throw InvalidInput("has a size in its binary data that is not possible");
+    std::string whole(expected, '\0');
+    const auto* from = reinterpret_cast<const unsigned char*>(block.data());
+    if (compressor->Uncompress(from, block.size(), reinterpret_cast<unsigned char*>(whole.data()),
+                               expected) != expected)
+      throw InvalidInput("has a compressed block that is damaged");
+    result += whole;
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<double> encoded_numbers(std::string_view text, bool base64, NumberType type,
+                                    const DataEncoding& encoding) {
+  Bytes bytes(text, base64);
+  if (!encoding.compressor.empty())
+    return binary_numbers(uncompressed(bytes, encoding), type, encoding.order);
+  const std::size_t size = read_size(bytes, encoding);
+  return binary_numbers(bytes.read(size), type, encoding.order);
+}
+
+}  // namespace kappaflow

@@ -1,0 +1,57 @@
+// VTK data of particles, surfaces and boundaries, and the .vtp files that ParaView opens.
+#pragma once
+
+#include <vtkPolyData.h>
+#include <vtkSmartPointer.h>
+
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "core/particles.h"
+#include "surface/field/particle_motion.h"
+#include "surface/measure/surface_state.h"
+#include "surface/measure/texture.h"
+
+namespace kappaflow {
+
+/// What one particle file holds; one entry a particle in every array, or none where a span is empty.
+struct ParticleFrame {
+  const Particles& particles;
+  std::span<const float> density;   ///< [kg/m3]; may be empty
+  std::span<const float> pressure;  ///< [Pa]; may be empty
+  std::span<const int> source;      ///< which block or emitter it comes from; may be empty
+  std::span<const double> weight;   ///< w_i of Eq. 12; may be empty
+  double sigma;                     ///< support radius of Eq. 12 [m]; of no account without weights
+};
+
+/// Point arrays velocity, density, pressure, source, id, weight and sigma (the last two let `kappaflow probe`
+/// read the file); every particle is a vertex cell, so that ParaView shows it.
+vtkSmartPointer<vtkPolyData> particle_data(const ParticleFrame& frame);
+
+/// What one surface file holds; one entry a vertex in every array.
+struct SurfaceFrame {
+  double time;  ///< [s]
+  const TriangleMesh& mesh;
+  const SurfaceState& state;
+  std::span<const Rgb> checker;
+  std::span<const Vec2> texture_coordinates;
+};
+
+/// Point arrays Normals and TCoords (both active), velocity, mean_curvature, gaussian_curvature, confidence,
+/// rest_position, source (where that of any vertex is known), id (of a vertex for as long as it lives),
+/// checker, material_slip (where the material velocity is known) and unprojected.
+vtkSmartPointer<vtkPolyData> surface_data(const SurfaceFrame& frame);
+
+/// All walls as one surface; cell array wall = index of the wall.
+vtkSmartPointer<vtkPolyData> boundary_data(std::span<const TriangleSurface> walls);
+
+/// Writes VTK XML, inline binary, compressed by zlib: the form that every ParaView from 5.0 on reads. Throws
+/// IoError.
+void write_vtp(const std::filesystem::path& path, vtkPolyData& data);
+
+/// The triangles of a surface or of walls, with the arrays of its points and its field arrays. Throws
+/// IoError, whatever is wrong with the file.
+vtkSmartPointer<vtkPolyData> read_surface(const std::filesystem::path& path);
+
+}  // namespace kappaflow

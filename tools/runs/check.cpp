@@ -1,0 +1,113 @@
+#include "tools/runs/check.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include <cmath>
+
+#include "core/errors.h"
+
+namespace kappaflow {
+namespace {
+
+std::string vector_text(const Vec3& v) {
+  return fmt::format("({:.4g}, {:.4g}, {:.4g})", v.x(), v.y(), v.z());
+}
+
+// How a block or wall reads in the summary.
+struct ShapeText {
+  std::string operator()(const BoxShape& box) const {
+    return fmt::format("box from {} to {} m", vector_text(box.lower), vector_text(box.upper));
+  }
+  std::string operator()(const SphereShape& sphere) const {
+    return fmt::format("sphere of radius {:.4g} m at {} m", sphere.radius, vector_text(sphere.center));
+  }
+  std::string operator()(const CylinderShape& cylinder) const {
+    return fmt::format("cylinder of radius {:.4g} m from {} to {} m", cylinder.radius,
+                       vector_text(cylinder.from), vector_text(cylinder.to));
+  }
+  std::string operator()(const BasinShape& basin) const {
+    return fmt::format("basin around {} to {} m", vector_text(basin.lower), vector_text(basin.upper));
+  }
+  std::string operator()(const StairsShape& stairs) const {
+    return fmt::format("stairs, {} steps of rise {:.4g} m and run {:.4g} m, width {:.4g} m", stairs.steps,
+                       stairs.rise, stairs.run, stairs.width);
+  }
+  std::string operator()(const MeshShape& mesh) const { return fmt::format("mesh {}", mesh.file.string()); }
+};
+
+/// Of a fluid that is not the scene's first.
+std::string viscosity_text(std::uint8_t number, const FluidOptions& fluid) {
+  if (number == 0) return "";
+  return fmt::format(", kinematic viscosity {:.4g} m2/s", fluid.more_viscosities[number - 1]);
+}
+
+std::string emitter_line(const Emitter& emitter, const FluidOptions& fluid) {
+  const double layer = static_cast<double>(emitter_layer(emitter, fluid.spacing).size());
+  return fmt::format(
+      "    emitter at {} m, {:.4g} m/s towards {}, {:.4g} m3/s ({} particles a layer){}\n",
+      vector_text(emitter.position), emitter.speed, vector_text(emitter.direction.normalized()),
+      layer * fluid.spacing * fluid.spacing * emitter.speed, layer, viscosity_text(emitter.fluid, fluid));
+}
+
+std::string liquid_lines(const Scene& scene) {
+  const FluidOptions& fluid = scene.fluid;
+  std::string text =
+      fmt::format("  liquid    spacing {:.4g} m, density {:.6g} kg/m3, kinematic viscosity {:.4g} m2/s\n",
+                  fluid.spacing, fluid.density, fluid.kinematic_viscosity);
+  for (const FluidBlock& block : scene.blocks)
+    text += fmt::format("    block   {}, moving at {} m/s{}\n", std::visit(ShapeText(), block.shape),
+                        vector_text(block.velocity), viscosity_text(block.fluid, fluid));
+  for (const Emitter& emitter : scene.fluid.emitters) text += emitter_line(emitter, fluid);
+  for (const Wall& wall : scene.walls)
+    text += fmt::format("    wall    {}{}\n", std::visit(ShapeText(), wall.shape),
+                        wall.motion.at_rest() ? "" : ", moving");
+  return text;
+}
+
+std::string surface_line(const SurfaceDescription& surface, double spacing) {
+  return fmt::format("  surface   sigma {:.4g} m, threshold {}, edges {:.4g} m, methods {}\n",
+                     surface.sigma * spacing,
+                     surface.threshold ? fmt::format("{:.6g}", *surface.threshold) : "auto",
+                     surface.edge_length * surface.sigma * spacing, fmt::join(surface.methods, ", "));
+}
+
+std::string duration_text(double seconds) {
+  if (seconds < 10) return fmt::format("{:.1f} s", seconds);
+  if (seconds < 120) return fmt::format("{:.0f} s", seconds);
+  return seconds < 7200 ? fmt::format("{:.0f} min", seconds / 60) : fmt::format("{:.1f} h", seconds / 3600);
+}
+
+}  // namespace
+
+std::string check_text(const Scene& scene, int threads) {
+  const SceneEstimate cost = estimate(scene, threads);
+  return fmt::format("{}: {}\n", scene.file.string(), scene.title) +
+         fmt::format("  duration  {:.4g} s, {:.4g} frames per second\n", scene.duration,
+                     scene.output.frames_per_second) +
+         liquid_lines(scene) + surface_line(scene.surface, scene.fluid.spacing) +
+         fmt::format(
+             "  particles {}{}\n  boundary particles {}\n  memory    about {:.0f} MB\n  time      about {} "
+             "on "
+             "{} "
+             "thread{}\n",
+             cost.particles, cost.emitted > 0 ? fmt::format(", and {} from emitters", cost.emitted) : "",
+             cost.boundary_particles, std::ceil(static_cast<double>(cost.memory_bytes) / 1e6),
+             duration_text(cost.seconds), threads, threads == 1 ? "" : "s");
+}
+
+void require_memory(const Scene& scene, std::size_t available) {
+  const std::size_t needed = estimate(scene, 1).memory_bytes;
+  if (needed > available)
+    throw InvalidInput(fmt::format(
+        "{}: needs about {:.3g} GB of memory, there are {:.3g} GB; a larger "
+        "[fluid] spacing needs less",
+        scene.file.string(), static_cast<double>(needed) / 1e9, static_cast<double>(available) / 1e9));
+}
+
+std::size_t machine_memory() {
+  return static_cast<std::size_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+}
+
+}  // namespace kappaflow

@@ -1,0 +1,40 @@
+// One line on the terminal that says how far a run is.
+#pragma once
+
+#include <string>
+
+#include "tools/runs/timings.h"
+
+namespace kappaflow {
+
+/// Draws `text` over the line that the terminal's cursor is in, cut to its width; "" wipes the line. Does
+/// nothing where stderr is no terminal.
+void draw_status_line(const std::string& text);
+
+/// Draws on stderr, at most five times a second, and only when that is a terminal; wipes itself out at the
+/// end.
+class Progress {
+ public:
+  /// From time `start` to `end` [s]; frames: number of the last one.
+  Progress(double start, double end, int frames, bool enabled);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  /// Call after each step that worked towards `frame`. detail: what else there is to say of it.
+  void show(double time, int frame, const std::string& detail);
+
+ private:
+  double start_, end_;
+  int frames_;
+  bool enabled_;
+  Stopwatch watch_;
+  double last_drawn_ = -1;  // [s] of watch_
+  std::size_t steps_ = 0;
+};
+
+/// The line itself. done: share of the whole, in [0, 1]; elapsed: wall time so far [s].
+std::string progress_line(double done, double time, int frame, int frames, std::size_t steps, double elapsed,
+                          const std::string& detail);
+
+}  // namespace kappaflow

@@ -1,0 +1,111 @@
+// The files of one run: their names, their places, and what happens when they are already there.
+#pragma once
+
+#include <vtkPolyData.h>
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "tools/io/folder_lock.h"
+#include "tools/io/mesh_formats.h"
+#include "tools/runs/metrics.h"
+
+namespace kappaflow {
+
+/// What a frame adds to the tables; whole lines.
+struct FrameRows {
+  std::string metrics, pieces, timings;
+};
+
+/// A run folder:
+///   run.json  run.toml  checkpoint.bin  metrics.csv  pieces.csv  timings.csv  run.pvd
+///   boundary.vtp, or where walls move boundary.pvd  boundary/boundary_0000.vtp ...
+///   particles.pvd  particles/particles_0000.vtp ...
+///   surface-<method>.pvd  surface-<method>/surface_0000.vtp ... (and .obj, .ply, .glb where these are asked
+///   for)
+/// Whatever is there under these names is complete and listed in the .pvd files, at any moment of the run.
+class RunFolder {
+ public:
+  /// Makes the folder and its tables. Throws InvalidInput when the folder already holds a run (a run.json, or
+  /// files in folders of those names) and `force` is not set, or another run is writing into it, IoError when
+  /// the folder cannot be written. With `force` the new run begins in a folder inside, until take_place().
+  RunFolder(std::filesystem::path folder, std::vector<std::string> methods, bool force);
+  /// Opens the folder of a run that was interrupted; what else there is to know, serialize() reads. Throws
+  /// InvalidInput when another run is writing into it, IoError when there is no such folder.
+  explicit RunFolder(std::filesystem::path folder);
+  /// A run that did not come to take its place leaves the one that it was to replace as it was.
+  ~RunFolder();
+  RunFolder(const RunFolder&) = delete;
+  RunFolder& operator=(const RunFolder&) = delete;
+
+  const std::filesystem::path& path() const { return folder_; }
+
+  /// To be called when the run has really begun: its first frame is written. The files of the run that the
+  /// folder held are removed, and nothing else, and those of the new one come in their place.
+  void take_place();
+
+  void write_record(const std::string& json);
+  /// A copy of the scene, for resuming the run.
+  void write_scene(const std::string& text);
+  /// Of all frames.
+  void write_boundary(vtkPolyData& data);
+  /// Of one frame of moving walls; for every frame or none.
+  void write_boundary(int frame, vtkPolyData& data);
+  void write_particles(int frame, vtkPolyData& data);
+  void write_surface(int frame, const std::string& method, vtkPolyData& data);
+  /// A further file of the same surface, beside its .vtp.
+  void write_mesh(int frame, const std::string& method, MeshFormat format, const std::string& bytes);
+  /// Lists the frame's files at `time` [s] in the .pvd files and appends its rows to the tables.
+  void finish_frame(double time, const FrameRows& rows);
+  /// Returns when everything that was written is on the disk, where a power cut leaves it.
+  void flush();
+  /// The same, and then the checkpoint too.
+  void write_checkpoint(std::string_view state);
+
+  /// Of a resumed run: the frames that are there already, which serialize() leaves to the caller.
+  void set_times(std::vector<double> times) { times_ = std::move(times); }
+  std::vector<MetricsRow> metrics() const;
+
+  /// See core/saved_state.h. Reading cuts the tables back to the rows that they had.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(methods_, has_boundary_, boundary_moves_, table_lines_);
+    if constexpr (Archive::is_loading::value) cut_tables();
+  }
+
+ private:
+  void write_data(const std::string& name, vtkPolyData& data);
+  void write_text(const std::string& name, const std::string& text);
+  void write_collections();
+  void cut_tables() const;
+
+  std::filesystem::path folder_;
+  FolderLock lock_;
+  std::filesystem::path place_;  // where files are written: folder_, or inside of it until take_place()
+  std::vector<std::string> methods_;
+  std::vector<double> times_;                   // of the finished frames [s]
+  std::array<std::uint64_t, 3> table_lines_{};  // of metrics, pieces and timings
+  bool has_boundary_ = false, boundary_moves_ = false;
+  std::set<std::filesystem::path> written_;  // since the last flush
+};
+
+/// Whether it is one of the folders inside of a run folder, there or to come.
+bool is_run_folder(const std::filesystem::path& folder);
+
+/// The file of a frame relative to the run folder.
+std::string particle_file(int frame);
+std::string surface_file(const std::string& method, int frame);
+std::string boundary_file(int frame);
+inline constexpr const char* kBoundaryFile = "boundary.vtp";  ///< of walls at rest
+inline constexpr const char* kRecordFile = "run.json";
+inline constexpr const char* kSceneFile = "run.toml";  ///< a copy of the scene
+inline constexpr const char* kCheckpointFile = "checkpoint.bin";
+inline constexpr const char* kFailureFile = "failure.vtp";  ///< the particles when a simulation failed
+
+}  // namespace kappaflow

@@ -1,0 +1,182 @@
+#include "tools/runs/run_record.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <tbb/version.h>
+#include <vtkVersionMacros.h>
+#include <vtk_jsoncpp.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <memory>
+#include <sstream>
+#include <variant>
+
+#include "core/errors.h"
+#include "core/version.h"
+#include "tools/io/files.h"
+#include "tools/runs/run_folder.h"
+
+namespace kappaflow {
+namespace {
+
+Json::Value list(const std::vector<std::string>& words) {
+  Json::Value array(Json::arrayValue);
+  for (const std::string& word : words) array.append(word);
+  return array;
+}
+
+Json::Value minimiser_record(Minimiser minimiser) {
+  return std::string(name_of(kMinimisers, minimiser));
+}
+
+Json::Value options_record(const RunOptions& options) {
+  Json::Value record;
+  record["methods"] = list(options.methods);
+  record["duration"] = options.duration ? Json::Value(*options.duration) : Json::Value();
+  record["minimiser"] = options.minimiser ? minimiser_record(*options.minimiser) : Json::Value();
+  record["force"] = options.force;
+  record["quiet"] = options.quiet;
+  return record;
+}
+
+Json::Value list(const Vec3& vector) {
+  Json::Value array(Json::arrayValue);
+  for (const double component : vector) array.append(component);
+  return array;
+}
+
+Json::Value scene_record(const Scene& scene) {
+  Json::Value record;
+  record["file"] = scene.file.string();
+  record["title"] = scene.title;
+  record["hash"] = text_hash(scene.text);
+  record["text"] = scene.text;
+  return record;
+}
+
+/// What every record says: the program, how it was called, and how surfaces are defined and tracked.
+Json::Value common_record(const std::vector<std::string>& command, int threads,
+                          const SurfaceDescription& surface, const ParticleFieldOptions& field) {
+  Json::Value record;
+  record["version"] = kVersion;
+  record["build"] = build_description();
+  record["started"] = time_now();
+  record["command"] = list(command);
+  record["seed"] = Json::Value();  // null: nothing in a run is random
+  record["threads"] = threads;
+  record["methods"] = list(surface.methods);
+  record["minimiser"] = minimiser_record(surface.tracker.velocity.minimiser);
+  record["sigma"] = field.sigma;
+  record["threshold"] = field.threshold;
+  record["threshold_rule"] = surface.threshold ? "number" : "auto";
+  return record;
+}
+
+std::string record_text(const Json::Value& record) {
+  Json::StreamWriterBuilder writer;
+  writer["indentation"] = "  ";
+  writer["precision"] = 17;
+  return Json::writeString(writer, record) + "\n";
+}
+
+bool is_vector(const Json::Value& array) {
+  return array.isArray() && array.size() == 3 &&
+         std::ranges::all_of(array, [](const Json::Value& number) { return number.isNumeric(); });
+}
+
+/// As far as pictures need it.
+bool is_record(const Json::Value& record) {
+  if (!record.isObject() || !record["methods"].isArray()) return false;
+  const Json::Value& view = record["view"];
+  return std::ranges::all_of(record["methods"], [](const Json::Value& name) { return name.isString(); }) &&
+         (view.isNull() || (view.isObject() && is_vector(view["from"]) && is_vector(view["up"])));
+}
+
+}  // namespace
+
+std::string text_hash(std::string_view text) {
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
+  return fmt::format("fnv1a64:{:016x}", hash);
+}
+
+std::string scene_hash(const Scene& scene) {
+  std::string text = scene.text;
+  const auto append_mesh = [&](const auto& shape) {
+    if (const auto* mesh = std::get_if<MeshShape>(&shape)) text += read_file(mesh->file);
+  };
+  for (const FluidBlock& block : scene.blocks) append_mesh(block.shape);
+  for (const Wall& wall : scene.walls) append_mesh(wall.shape);
+  return text_hash(text);
+}
+
+std::string time_now() {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::now()));
+}
+
+std::string build_description() {
+  return fmt::format("compiler {} {}, {} build\nVTK {}, Eigen {}.{}.{}, oneTBB {}.{}\n",
+#ifdef __clang__
+                     "Clang", __clang_version__,
+#else
+                     "GCC", __VERSION__,
+#endif
+                     KAPPAFLOW_BUILD_TYPE, VTK_VERSION, EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION,
+                     EIGEN_MINOR_VERSION, TBB_VERSION_MAJOR, TBB_VERSION_MINOR);
+}
+
+std::string run_record(const RunOptions& options, const Scene& scene, const Simulation& simulation) {
+  Json::Value record =
+      common_record(options.command, options.threads, scene.surface, simulation.surfaces().field_options());
+  record["options"] = options_record(options);
+  record["scene"] = scene_record(scene);
+  record["particles"] = Json::UInt64{simulation.particles().size()};
+  record["duration"] = scene.duration;
+  record["frames_per_second"] = scene.output.frames_per_second;
+  record["view"]["from"] = list(scene.output.view.from);
+  record["view"]["up"] = list(scene.output.view.up);
+  return record_text(record);
+}
+
+std::string resumed_record(const std::string& record, const RunOptions& options, double time) {
+  Json::Value root;
+  std::istringstream(record) >> root;
+  Json::Value resumed;
+  resumed["version"] = kVersion;
+  resumed["build"] = build_description();
+  resumed["started"] = time_now();
+  resumed["command"] = list(options.command);
+  resumed["threads"] = options.threads;
+  resumed["time"] = time;
+  root["resumed"].append(resumed);
+  return record_text(root);
+}
+
+Json::Value read_record(const std::filesystem::path& folder) {
+  const std::filesystem::path file = folder / kRecordFile;
+  const std::string text = read_file(file);
+  Json::Value record;
+  std::string errors;
+  const std::unique_ptr<Json::CharReader> reader(Json::CharReaderBuilder().newCharReader());
+  if (!reader->parse(text.data(), text.data() + text.size(), &record, &errors) || !is_record(record))
+    throw IoError(file.string(), "is not the record of a run");
+  return record;
+}
+
+std::string track_record(const TrackOptions& options, const ParticleSequence& sequence,
+                         const SurfaceDescription& surface, const ParticleFieldOptions& field) {
+  Json::Value record = common_record(options.command, options.threads, surface, field);
+  Json::Value& input = record["sequence"];
+  input["name"] = sequence.name();
+  input["first"] = sequence.file(0).string();
+  input["last"] = sequence.file(sequence.size() - 1).string();
+  input["files"] = Json::UInt64{sequence.size()};
+  input["notes"] = list(sequence.notes());
+  record["duration"] = sequence.time(sequence.size() - 1) - sequence.time(0);
+  record["frames_per_second"] =
+      options.frames_per_second ? Json::Value(*options.frames_per_second) : Json::Value();
+  return record_text(record);
+}
+
+}  // namespace kappaflow

@@ -1,0 +1,42 @@
+// run.json: what was run, so that it can be run again.
+#pragma once
+
+#include <vtk_jsoncpp_fwd.h>
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "scenes/scene.h"
+#include "tools/runs/run.h"
+#include "tools/runs/simulation.h"
+#include "tools/runs/track.h"
+
+namespace kappaflow {
+
+/// The text of run.json: version, build, command, options, scene (file, hash, text), threads, and the numbers
+/// that were derived from the scene (threshold, sigma, frame count).
+std::string run_record(const RunOptions& options, const Scene& scene, const Simulation& simulation);
+
+/// What the run.json of a run folder says. Throws IoError where it cannot be read or is something else.
+Json::Value read_record(const std::filesystem::path& folder);
+
+/// The record of a run, which says further that it was resumed at `time` [s], and how.
+std::string resumed_record(const std::string& record, const RunOptions& options, double time);
+
+/// The same of tracked particles: the files, what is known about them, and the numbers that were derived.
+std::string track_record(const TrackOptions& options, const ParticleSequence& sequence,
+                         const SurfaceDescription& surface, const ParticleFieldOptions& field);
+
+/// "fnv1a64:" and 16 hex digits: the 64-bit FNV-1a hash of a text, to recognise a scene, not to protect it.
+std::string text_hash(std::string_view text);
+/// The same of the scene's text and the mesh files that it names.
+std::string scene_hash(const Scene& scene);
+
+/// Date and time (UTC), as records and reports have them.
+std::string time_now();
+
+/// Compiler, build type and library versions, one a line.
+std::string build_description();
+
+}  // namespace kappaflow

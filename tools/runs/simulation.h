@@ -1,0 +1,68 @@
+// A scene in motion: the liquid and, on it, one tracked surface for each velocity method.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "scenes/scene.h"
+#include "tools/runs/tracked_surfaces.h"
+
+namespace kappaflow {
+
+/// What happened since the last frame.
+struct SinceFrame {
+  double density_error_mean = 0, density_error_max = 0;  ///< the largest of FluidStep's
+  double solver_seconds = 0;                             ///< wall time of the liquid
+  SurfacesSinceFrame surfaces;                           ///< their seconds with those of the liquid
+
+  /// See core/saved_state.h; without the wall times.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(density_error_mean, density_error_max, surfaces);
+  }
+};
+
+/// Steps the liquid, and after every `stride` solver steps its surfaces.
+class Simulation {
+ public:
+  /// Fills the blocks and meshes the surface at t = 0. Throws InvalidInput when the surface is empty.
+  explicit Simulation(const Scene& scene);
+
+  /// Called after every solver step; returns whether to go on.
+  using Watch = std::function<bool(const FluidStep&)>;
+
+  /// Advances liquid and surfaces to `time` [s], where every vertex has a source. Returns false when `watch`
+  /// stopped it on the way; the surfaces may then lag behind, and another call with the same time goes on as
+  /// if it had not been.
+  bool advance(double time, const Watch& watch);
+
+  const FluidSolver& fluid() const { return fluid_; }
+  const Particles& particles() const { return particles_; }  ///< at the surfaces' time
+  const TrackedSurfaces& surfaces() const { return surfaces_; }
+  const Field& field() const { return surfaces_.field(); }
+  const std::vector<SurfaceTracker>& trackers() const { return surfaces_.trackers(); }
+  const std::vector<TriangleSurface>& walls() const { return walls_; }
+
+  /// Hands out what happened since the last call, and starts anew.
+  SinceFrame take_since_frame();
+
+  /// See core/saved_state.h; for a simulation of the same scene.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(fluid_, particles_, surfaces_, untracked_, since_frame_);
+  }
+
+ private:
+  void step_surfaces();
+  void find_sources();
+
+  std::vector<TriangleSurface> walls_;
+  FluidSolver fluid_;
+  Particles particles_;
+  TrackedSurfaces surfaces_;
+  int stride_;
+  int untracked_ = 0;       // solver steps that the surfaces have not taken yet
+  SinceFrame since_frame_;  // but for the surfaces
+};
+
+}  // namespace kappaflow

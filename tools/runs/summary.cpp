@@ -1,0 +1,140 @@
+#include "tools/runs/summary.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace kappaflow {
+namespace {
+
+std::string median_text(std::span<const SurfaceMetrics> frames,
+                        std::optional<double> SurfaceMetrics::*member) {
+  const std::optional<double> value = median(over_frames(frames, member));
+  return value ? fmt::format("{:.4f}", *value) : "-";
+}
+
+/// Of the shipped scenes the splash has single particles squeezed by 37 % for a moment, and 0.06 % in the
+/// mean.
+std::string compression_warning(const RunSummary& s) {
+  constexpr double kMostTolerances = 200, kMostOfAParticle = 0.4;
+  const double mean = s.density_error_mean.value_or(0), max = s.density_error_max.value_or(0);
+  if (mean <= kMostTolerances * s.density_tolerance && max <= kMostOfAParticle) return "";
+  return fmt::format(
+      "  warning: the liquid was compressed far beyond density_tolerance ({:.2g} %): by {:.2g} % in the "
+      "mean, "
+      "{:.2g} % at a particle; lower max_time_step or cfl, or raise max_pressure_iterations\n",
+      100 * s.density_tolerance, 100 * mean, 100 * max);
+}
+
+std::string run_lines(const RunSummary& s, const std::string& title, const ParticleFieldOptions& field) {
+  std::string text = fmt::format(
+      "{}\n  {} particles, {} frames, {} steps to t = {:.4g} s; threshold {:.6g}, sigma {:.4g} m\n", title,
+      s.frames.back().particles, s.frames.size(), s.steps, s.frames.back().time, field.threshold,
+      field.sigma);
+  if (s.penetration_max && s.density_error_mean && s.density_error_max)
+    text +=
+        fmt::format("  deepest particle {:.3f} spacings inside a wall; compression mean {:.2e}, max {:.2e}\n",
+                    *s.penetration_max, *s.density_error_mean, *s.density_error_max);
+  return text + compression_warning(s);
+}
+
+std::string time_line(const RunSummary& s) {
+  double tracking = 0, output = s.shared_output_seconds;
+  for (const MethodSummary& m : s.methods) {
+    tracking += m.seconds.velocity + m.seconds.fairing + m.seconds.topology + m.seconds.remesh;
+    output += m.seconds.output - s.shared_output_seconds;
+  }
+  const double solver = s.methods.front().seconds.solver;
+  const std::string since =
+      s.frames_before > 0 ? fmt::format(" since it was resumed after frame {}", s.frames_before - 1) : "";
+  return fmt::format(
+      "  {:.1f} s{}: set-up {:.1f}, liquid {:.1f}, surfaces {:.1f}, material tracers {:.1f}, metrics and "
+      "files {:.1f}\n",
+      s.wall_seconds, since, s.setup_seconds, solver, tracking, s.tracer_seconds, output);
+}
+
+std::string method_table(const RunSummary& s) {
+  std::string text =
+      fmt::format("\n  {:<16}{:>9}{:>13}{:>12}{:>12}{:>10}{:>10}{:>10}{:>13}\n", "method", "vertices",
+                  "quality min", "mean", "residual", "volume", "slip", "rotation", "unprojected");
+  for (const MethodSummary& m : s.methods) {
+    const SurfaceMetrics& last = m.frames.back();
+    const double volume_error = last.size.volume / s.frames.back().isosurface_volume - 1;
+    text += fmt::format("  {:<16}{:>9}{:>13.4f}{:>12.4f}{:>12.1e}{:>+9.2f}%{:>10}{:>10}{:>13}\n", m.name,
+                        last.vertices, last.quality.min, last.quality.mean, m.residual_max(),
+                        100 * volume_error, median_text(m.frames, &SurfaceMetrics::slip),
+                        median_text(m.frames, &SurfaceMetrics::rotation_captured), last.unprojected);
+  }
+  return text +
+         "  quality, unprojected: at the end; residual: largest, in sigma; volume: against a fresh "
+         "isosurface at the end;\n"
+         "  slip and rotation captured: median over the frames, against the material's motion\n\n";
+}
+
+}  // namespace
+
+void MethodSummary::add_frame(const std::string& method, const SurfaceMetrics& metrics,
+                              const PhaseSeconds& frame_seconds) {
+  name = method;
+  frames.push_back(metrics);
+  frames.back().pieces = {};
+  seconds.solver += frame_seconds.solver;
+  seconds.velocity += frame_seconds.velocity;
+  seconds.fairing += frame_seconds.fairing;
+  seconds.topology += frame_seconds.topology;
+  seconds.remesh += frame_seconds.remesh;
+  seconds.output += frame_seconds.output;
+}
+
+double MethodSummary::residual_max() const {
+  double largest = 0;
+  for (const SurfaceMetrics& frame : frames) largest = std::max(largest, frame.residual_max);
+  return largest;
+}
+
+void RunSummary::add_frame(const FrameMetrics& metrics, double tracers, double shared_output) {
+  frames.push_back(metrics);
+  // An empty optional compares as less than any number.
+  penetration_max = std::max(penetration_max, metrics.penetration_max);
+  density_error_mean = std::max(density_error_mean, metrics.density_error_mean);
+  density_error_max = std::max(density_error_max, metrics.density_error_max);
+  tracer_seconds += tracers;
+  shared_output_seconds += shared_output;
+}
+
+void RunSummary::add_frames_before(std::span<const MetricsRow> rows) {
+  for (const MetricsRow& row : rows) {
+    auto method = std::ranges::find(methods, row.method, &MethodSummary::name);
+    if (method == methods.end()) method = methods.insert(methods.end(), MethodSummary());
+    method->add_frame(row.method, row.surface, {});
+    if (method == methods.begin()) add_frame(row.frame, 0, 0);
+  }
+  frames_before = frames.size();
+}
+
+std::optional<double> median(std::span<const std::optional<double>> values) {
+  std::vector<double> known;
+  for (const std::optional<double>& value : values)
+    if (value) known.push_back(*value);
+  if (known.empty()) return std::nullopt;
+  const auto middle = known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);
+  std::nth_element(known.begin(), middle, known.end());
+  return *middle;
+}
+
+std::vector<std::optional<double>> over_frames(std::span<const SurfaceMetrics> frames,
+                                               std::optional<double> SurfaceMetrics::*member) {
+  std::vector<std::optional<double>> values;
+  for (const SurfaceMetrics& frame : frames) values.push_back(frame.*member);
+  return values;
+}
+
+std::string summary_text(const RunSummary& summary, const std::string& title,
+                         const ParticleFieldOptions& field, const std::filesystem::path& folder) {
+  return run_lines(summary, title, field) + time_line(summary) + method_table(summary) +
+         fmt::format("Results: {}\nOpen:    paraview {}\n", folder.string(), (folder / "run.pvd").string());
+}
+
+}  // namespace kappaflow

@@ -1,0 +1,57 @@
+// What `kappaflow run` and `kappaflow track` print at their end.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "surface/field/particle_motion.h"
+#include "tools/runs/metrics.h"
+#include "tools/runs/timings.h"
+
+namespace kappaflow {
+
+/// One method over the whole run.
+struct MethodSummary {
+  std::string name;
+  std::vector<SurfaceMetrics> frames;  ///< without their `pieces`, of which there may be many
+  PhaseSeconds seconds;                ///< summed over the frames that RunSummary times
+
+  double residual_max() const;  ///< largest of all frames [sigma]
+
+  void add_frame(const std::string& method, const SurfaceMetrics& metrics, const PhaseSeconds& frame_seconds);
+};
+
+/// The whole run.
+struct RunSummary {
+  std::vector<MethodSummary> methods;
+  std::vector<FrameMetrics> frames;  ///< the finished ones, the first included
+  std::optional<double> penetration_max, density_error_mean, density_error_max;  ///< largest of all frames
+  double density_tolerance = 0;   ///< of the liquid's solver [1]
+  std::size_t steps = 0;          ///< in time
+  std::size_t frames_before = 0;  ///< frames that were there when the run was resumed, which are not timed
+  double setup_seconds = 0, tracer_seconds = 0, shared_output_seconds = 0;
+  double wall_seconds = 0;
+  int interrupted_by = 0;     ///< the signal; 0: none
+  double interrupted_at = 0;  ///< [s] of simulated time
+  std::string text;           ///< see summary_text()
+
+  void add_frame(const FrameMetrics& metrics, double tracers, double shared_output);
+  /// The frames that a resumed run finds in its table; without the wall times.
+  void add_frames_before(std::span<const MetricsRow> rows);
+};
+
+/// The upper median of the values that there are; nullopt where there are none. Rotation captured is a ratio,
+/// and one frame in which the material hardly turns would spoil a mean.
+std::optional<double> median(std::span<const std::optional<double>> values);
+/// One member of SurfaceMetrics over the frames.
+std::vector<std::optional<double>> over_frames(std::span<const SurfaceMetrics> frames,
+                                               std::optional<double> SurfaceMetrics::*member);
+
+/// For the terminal.
+std::string summary_text(const RunSummary& summary, const std::string& title,
+                         const ParticleFieldOptions& field, const std::filesystem::path& folder);
+
+}  // namespace kappaflow
