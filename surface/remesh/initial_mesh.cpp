@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "core/parallel.h"
-#include "surface/mesh/edge_edits.h"
 #include "surface/mesh/isosurface.h"
+#include "surface/mesh/mesh_edits.h"
 #include "surface/mesh/mesh_measures.h"
 
 namespace kappaflow {
@@ -21,7 +21,7 @@ Vec3 area_vector(const TriangleMesh& mesh, int a, int b, int c) {
 }
 
 /// Whether the triangles of v without `other` stand the move of v to target: none turns by a right angle.
-bool allows_move(const EdgeEdits& edits, const TriangleMesh& mesh, int v, int other, const Vec3& target,
+bool allows_move(const MeshEdits& edits, const TriangleMesh& mesh, int v, int other, const Vec3& target,
                  double longest) {
   bool allowed = true;
   edits.for_each_out(v, [&](int h) {
@@ -35,7 +35,7 @@ bool allows_move(const EdgeEdits& edits, const TriangleMesh& mesh, int v, int ot
 }
 
 /// Joins the ends of short edges at their midpoints.
-void collapse_short_edges(double spacing, EdgeEdits& edits, TriangleMesh& mesh) {
+void collapse_short_edges(double spacing, MeshEdits& edits, TriangleMesh& mesh) {
   edits.start(mesh);
   for (int h = 0; h < edits.half_edges(); ++h) {
     if (edits.is_removed(h)) continue;
@@ -52,7 +52,7 @@ void collapse_short_edges(double spacing, EdgeEdits& edits, TriangleMesh& mesh) 
   edits.finish();
 }
 
-bool flips_towards_delaunay(EdgeEdits& edits, const TriangleMesh& mesh, int h) {
+bool flips_towards_delaunay(MeshEdits& edits, const TriangleMesh& mesh, int h) {
   const int u = edits.origin(h), v = edits.end(h), a = edits.apex(h), b = edits.apex(edits.twin(h));
   const std::vector<Vec3>& at = mesh.position;
   if (is_delaunay(at[u], at[v], at[a], at[b])) return false;
@@ -62,7 +62,7 @@ bool flips_towards_delaunay(EdgeEdits& edits, const TriangleMesh& mesh, int h) {
   return edits.flip(h);
 }
 
-void flip_towards_delaunay(EdgeEdits& edits, TriangleMesh& mesh) {
+void flip_towards_delaunay(MeshEdits& edits, TriangleMesh& mesh) {
   edits.start(mesh);
   bool flipped = true;
   for (int pass = 0; flipped && pass < kFlipPasses; ++pass) {
@@ -102,7 +102,7 @@ void smooth_and_project(const Field& field, const ProjectionOptions& projection,
 
 TriangleMesh initial_mesh(const Field& field, double spacing, const ProjectionOptions& projection) {
   TriangleMesh mesh = extract_isosurface(field, spacing);
-  EdgeEdits edits;
+  MeshEdits edits;
   for (int round = 0; round < kRounds; ++round) {
     collapse_short_edges(spacing, edits, mesh);
     flip_towards_delaunay(edits, mesh);

@@ -13,7 +13,6 @@ constexpr double kMostLatticePoints = 10000;  // across what a triangle sweeps, 
 }  // namespace
 
 bool LatticeGuard::allows(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& x) const {
-  if (field_ == nullptr) return true;
   const auto on_lattice = [&](const Vec3& p) -> Vec3 { return (p - origin_) / spacing_; };
   const Vec3 u = on_lattice(a), v = on_lattice(b), w = on_lattice(c), apex = on_lattice(x);
   const Vec3 lower = u.cwiseMin(v).cwiseMin(w).cwiseMin(apex).array().ceil(),

@@ -17,43 +17,50 @@ constexpr int kCluster = 2;                   // cells of a region are in blocks
 constexpr int kRegionGrowth = 1;              // of a region [cells], one more in each pass
 constexpr int kPasses = 3;
 
-/// Groups of cells whose blocks touch, each ascending; in the order of their first cells' blocks.
-std::vector<std::vector<LatticeCell>> regions_of(const std::vector<LatticeCell>& cells) {
-  const auto block_of = [](const LatticeCell& c) {
-    LatticeCell block;
-    for (int a = 0; a < 3; ++a) block[a] = (c[a] >= 0 ? c[a] : c[a] - kCluster + 1) / kCluster;
-    return block;
-  };
+/// Cells by the blocks of kCluster^3 that they lie in, ascending.
+std::vector<std::pair<LatticeCell, LatticeCell>> cells_by_block(std::span<const LatticeCell> cells) {
   std::vector<std::pair<LatticeCell, LatticeCell>> by_block;
   by_block.reserve(cells.size());
-  for (const LatticeCell& c : cells) by_block.emplace_back(block_of(c), c);
+  for (const LatticeCell& c : cells) {
+    LatticeCell block;
+    for (int a = 0; a < 3; ++a) block[a] = (c[a] >= 0 ? c[a] : c[a] - kCluster + 1) / kCluster;
+    by_block.emplace_back(block, c);
+  }
   std::ranges::sort(by_block);
   by_block.erase(std::unique(by_block.begin(), by_block.end()), by_block.end());
+  return by_block;
+}
+
+/// Takes the cells of a block that have not been taken yet into the region. Returns whether there were any.
+bool take_block(const LatticeCell& block, std::span<const std::pair<LatticeCell, LatticeCell>> by_block,
+                std::vector<char>& taken, std::vector<LatticeCell>& region) {
+  const auto first = std::ranges::lower_bound(by_block, block, {}, [](const auto& e) { return e.first; });
+  bool found = false;
+  for (auto e = first; e != by_block.end() && e->first == block; ++e) {
+    if (taken[e - by_block.begin()]) return false;
+    taken[e - by_block.begin()] = 1;
+    region.push_back(e->second);
+    found = true;
+  }
+  return found;
+}
+
+/// Groups of cells whose blocks touch, each ascending; in the order of their first cells' blocks.
+std::vector<std::vector<LatticeCell>> regions_of(std::span<const LatticeCell> cells) {
+  const auto by_block = cells_by_block(cells);
   std::vector<char> taken(by_block.size(), 0);
   std::vector<std::vector<LatticeCell>> regions;
-  std::vector<LatticeCell> pending;
   for (std::size_t seed = 0; seed < by_block.size(); ++seed) {
     if (taken[seed]) continue;
     std::vector<LatticeCell>& region = regions.emplace_back();
-    pending.assign(1, by_block[seed].first);
-    const auto take = [&](const LatticeCell& block) {
-      auto entry = std::ranges::lower_bound(by_block, block, {}, [](const auto& e) { return e.first; }) -
-                   by_block.begin();
-      const auto end = static_cast<std::ptrdiff_t>(by_block.size());
-      if (entry == end || by_block[entry].first != block || taken[entry]) return false;
-      for (; entry < end && by_block[entry].first == block; ++entry) {
-        taken[entry] = 1;
-        region.push_back(by_block[entry].second);
-      }
-      return true;
-    };
-    take(pending[0]);
+    std::vector<LatticeCell> pending{by_block[seed].first};
+    take_block(pending[0], by_block, taken, region);
     while (!pending.empty()) {
       const LatticeCell at = pending.back();
       pending.pop_back();
       for (int n = 0; n < 27; ++n) {
         const LatticeCell next{at[0] + n % 3 - 1, at[1] + n / 3 % 3 - 1, at[2] + n / 9 - 1};
-        if (take(next)) pending.push_back(next);
+        if (take_block(next, by_block, taken, region)) pending.push_back(next);
       }
     }
     std::ranges::sort(region);
@@ -70,19 +77,10 @@ void add_cells(const SampledField& lattice, const TriangleMesh& mesh, std::span<
   }
 }
 
-void finish(TriangleMesh& mesh, VertexFacts facts, VertexHistory& history) {
-  std::vector<char> alive(mesh.vertex_count(), 0);
-  for (const Triangle& t : mesh.triangles)
-    for (const int v : t) alive[v] = 1;
-  remove_dead(alive, mesh, history);
-  history.keep(facts.gradient);
-  history.keep(facts.mobility);
-}
-
 /// Where the triangles are not pieces of the surface.
-void add_cells_off_surface(const Field& field, const TriangleMesh& mesh, VertexFacts facts, double limit,
+void add_cells_off_surface(const Field& field, const TriangleMesh& mesh, double limit,
                            const SampledField& lattice, std::vector<LatticeCell>& cells) {
-  add_cells(lattice, mesh, triangles_off_surface(field, mesh, facts.gradient, limit), cells);
+  add_cells(lattice, mesh, triangles_off_surface(field, mesh, mesh.gradient, limit), cells);
 }
 
 /// Where edges are so short that remeshing would have collapsed them if it could: around a thread.
@@ -132,9 +130,34 @@ LatticeGuard topology_guard(const Field& field, const TopologyOptions& options, 
   return {field, topology_lattice(field, options, edge_length), kDispute * edge_length};
 }
 
+namespace {
+
+/// Where mesh and surface disagree, or the mesh passes through itself.
+std::vector<LatticeCell> disputed_cells(const ReplacementSetting& setting, Comparison comparison,
+                                        const TriangleMesh& mesh) {
+  const auto& [field, lattice, edge_length, tolerance, off_surface, may_be_finer] = setting;
+  std::vector<LatticeCell> cells;
+  const bool quick = comparison == Comparison::quick;
+  add_cells_off_surface(field, mesh, quick ? kFarOff * edge_length : off_surface, lattice, cells);
+  if (quick) return cells;
+  add_cells(lattice, mesh, intersecting_triangles(mesh.position, mesh.triangles), cells);
+  add_cells_at_threads(mesh, kThread * edge_length, lattice, cells);
+  add_cells_in_dispute(field, mesh, edge_length, lattice, std::array{whole(lattice)}, cells);
+  return cells;
+}
+
+/// Vertices that are new, and those that are gone.
+void count_vertices(const VertexHistory& history, TopologyCounts& counts) {
+  const auto first_born = std::ranges::lower_bound(history.number, history.vertices_at_start);
+  counts.vertices_born = static_cast<std::size_t>(history.number.end() - first_born);
+  counts.vertices_lost = history.vertices_at_start - (history.number.size() - counts.vertices_born);
+}
+
+}  // namespace
+
 TopologyCounts TopologyChange::change(const Field& field, const TopologyOptions& options, double edge_length,
                                       const ProjectionOptions& projection, Comparison comparison,
-                                      TriangleMesh& mesh, VertexFacts facts) {
+                                      TriangleMesh& mesh) {
   const SampledField lattice = topology_lattice(field, options, edge_length);
   const ReplacementSetting setting{field,
                                    lattice,
@@ -142,32 +165,25 @@ TopologyCounts TopologyChange::change(const Field& field, const TopologyOptions&
                                    projection.tolerance * field.length_scale(),
                                    kOff * edge_length,
                                    comparison == Comparison::repeated};
-  RegionReplacement replacement(setting, mesh, facts);
-  TopologyCounts& counts = replacement.counts;
-  history_.vertices_at_start = static_cast<int>(mesh.vertex_count());
-  std::vector<LatticeCell> cells;
-  const double off_surface = (comparison == Comparison::quick ? kFarOff : kOff) * edge_length;
-  add_cells_off_surface(field, mesh, facts, off_surface, lattice, cells);
-  if (comparison != Comparison::quick) {
-    add_cells(lattice, mesh, intersecting_triangles(mesh.position, mesh.triangles), cells);
-    add_cells_at_threads(mesh, kThread * edge_length, lattice, cells);
-    add_cells_in_dispute(field, mesh, edge_length, lattice, std::array{whole(lattice)}, cells);
-  }
+  TopologyCounts counts;
+  std::vector<LatticeCell> cells = disputed_cells(setting, comparison, mesh);
+  if (cells.empty()) return counts;
+  edits_.start(mesh);
+  Replaced replaced;
   for (int pass = 0; pass < kPasses && !cells.empty(); ++pass) {
     counts.refused = 0;
-    replacement.replaced_blocks.clear();
+    replaced.blocks.clear();
     for (const std::vector<LatticeCell>& region : regions_of(cells))
-      counts.refused += replacement.replace(region, kRegionGrowth + pass) ? 0 : 1;
-    std::erase(mesh.triangles, kRemovedTriangle);
+      counts.refused += replace_region(setting, region, kRegionGrowth + pass, edits_, replaced) ? 0 : 1;
+    edits_.drop_removed_triangles();
     cells.clear();
-    add_cells_in_dispute(field, mesh, edge_length, lattice,
-                         fewest_rows(std::move(replacement.replaced_blocks), lattice), cells);
+    add_cells_in_dispute(field, mesh, edge_length, lattice, fewest_rows(std::move(replaced.blocks), lattice),
+                         cells);
   }
-  if (counts.replaced == 0) return counts;
-  finish(mesh, facts, history_);
-  const auto first_born = std::ranges::lower_bound(history_.number, history_.vertices_at_start);
-  counts.vertices_born = static_cast<std::size_t>(history_.number.end() - first_born);
-  counts.vertices_lost = history_.vertices_at_start - (history_.number.size() - counts.vertices_born);
+  edits_.finish();
+  counts.replaced = replaced.regions;
+  counts.triangles_removed = replaced.triangles_removed;
+  if (counts.replaced > 0) count_vertices(edits_.history(), counts);
   return counts;
 }
 

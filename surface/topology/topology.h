@@ -5,7 +5,7 @@
 
 #include "surface/field/field.h"
 #include "surface/field/projection.h"
-#include "surface/mesh/triangle_mesh.h"
+#include "surface/mesh/mesh_edits.h"
 #include "surface/topology/lattice_guard.h"
 
 namespace kappaflow {
@@ -65,24 +65,22 @@ struct TopologyCounts {
 /// (is_off_surface()), passes through no other, and has three neighbours; else the region is widened where it
 /// was not, some times, and then counted as refused.
 ///
-/// Vertices outside keep place, id and attributes; new ones have new ids and the attributes of the nearest
-/// point of the triangles taken out, or their own place as rest_position and an unknown source where there
-/// were none. Regions are worked on one after the other in a fixed order: results do not depend on the
-/// threads.
+/// Vertices outside keep place, id and what arrays hold of them; new ones have new ids and come, by the
+/// arrays' rules, from the nearest point of the triangles taken out, or from nowhere where there were none.
+/// Regions are worked on one after the other in a fixed order: results do not depend on the threads.
 class TopologyChange {
  public:
-  /// edge_length: of the mesh, > 0 [m]. `facts` must belong to the vertices as they are, projected.
-  /// Afterwards other arrays over the vertices are to be renewed (see history()) if TopologyCounts::replaced
-  /// > 0.
+  /// edge_length: of the mesh, > 0 [m]. mesh: its vertices projected, TriangleMesh::gradient theirs. Where
+  /// TopologyCounts::replaced > 0, whoever keeps more about the vertices renews it (see history()). Throws
+  /// TopologyError for a mesh that is not closed, with no change.
   TopologyCounts change(const Field& field, const TopologyOptions& options, double edge_length,
-                        const ProjectionOptions& projection, Comparison comparison, TriangleMesh& mesh,
-                        VertexFacts facts);
+                        const ProjectionOptions& projection, Comparison comparison, TriangleMesh& mesh);
 
   /// What became of the vertices in the last change().
-  const VertexHistory& history() const { return history_; }
+  const VertexHistory& history() const { return edits_.history(); }
 
  private:
-  VertexHistory history_;
+  MeshEdits edits_;
 };
 
 }  // namespace kappaflow

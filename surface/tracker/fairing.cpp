@@ -56,11 +56,12 @@ Vec3 spring_move(const VertexRings& rings, std::span<const double> rest_length,
 }
 
 /// Whether a triangle at vertex v looks inward, i.e. along the gradients of its corners.
-bool is_folded(const VertexRings& rings, const FairingState& state, std::span<const Vec3> position, int v) {
+bool is_folded(const VertexRings& rings, std::span<const int> third_corner, const TriangleMesh& mesh, int v) {
+  const std::vector<Vec3>& position = mesh.position;
   for (int k = rings.start[v]; k < rings.start[v + 1]; ++k) {
-    const int b = rings.neighbour[k], c = state.third_corner[k];
+    const int b = rings.neighbour[k], c = third_corner[k];
     const Vec3 outward = (position[b] - position[v]).cross(position[c] - position[v]);
-    if (outward.dot(state.gradient[v] + state.gradient[b] + state.gradient[c]) > 0) return true;
+    if (outward.dot(mesh.gradient[v] + mesh.gradient[b] + mesh.gradient[c]) > 0) return true;
   }
   return false;
 }
@@ -76,10 +77,10 @@ Vec3 centroid_move(std::span<const int> ring, std::span<const Vec3> position, in
 void relax_vertices(const VertexRings& rings, double relaxation, TriangleMesh& mesh, FairingState& state) {
   parallel_for(mesh.vertex_count(), [&](std::size_t i) {
     const int v = static_cast<int>(i);
-    const bool lost = mesh.unprojected[v] || is_folded(rings, state, mesh.position, v);
+    const bool lost = mesh.unprojected[v] || is_folded(rings, state.third_corner, mesh, v);
     const Vec3 move = lost ? centroid_move(rings.of(v), mesh.position, v)
-                           : spring_move(rings, state.rest_length, mesh.position, state.gradient[v], v);
-    state.moved_position[v] = mesh.position[v] + relaxation * (lost ? 1 : state.mobility[v]) * move;
+                           : spring_move(rings, state.rest_length, mesh.position, mesh.gradient[v], v);
+    state.moved_position[v] = mesh.position[v] + relaxation * (lost ? 1 : mesh.mobility[v]) * move;
   });
   std::swap(mesh.position, state.moved_position);
 }
@@ -121,8 +122,6 @@ FairingState fairing_state(const TriangleMesh& mesh, const VertexRings& rings) {
   state.rest_length.assign(rings.neighbour.size(), 0);
   relax_rest_lengths(rings, mesh.position, 1, state.rest_length);
   third_corners(rings, mesh.triangles, state.third_corner);
-  state.mobility.assign(mesh.vertex_count(), 1);
-  state.gradient.assign(mesh.vertex_count(), Vec3::Zero());
   state.moved_position.resize(mesh.vertex_count());
   return state;
 }
@@ -148,7 +147,7 @@ double fair(const Field& field, const VertexRings& rings, const FairingOptions& 
   double residual = 0;
   for (int iteration = 0; iteration < options.iterations; ++iteration) {
     relax_vertices(rings, options.relaxation, mesh, state);
-    residual = project_all(field, projection, mesh.position, mesh.unprojected, state.gradient);
+    residual = project_all(field, projection, mesh.position, mesh.unprojected, mesh.gradient);
   }
   relax_rest_lengths(rings, mesh.position, 1 - std::exp(-dt / options.rest_length_time), state.rest_length);
   return residual;

@@ -31,8 +31,6 @@ struct FairingOptions {
 struct FairingState {
   std::vector<double> rest_length;
   std::vector<int> third_corner;     ///< parallel to them: of the triangle that runs from vertex to neighbour
-  std::vector<double> mobility;      ///< share of its move that each vertex takes, in [0, 1]
-  std::vector<Vec3> gradient;        ///< grad f at the vertices after the last projection
   std::vector<Vec3> moved_position;  ///< the vertices of an iteration in the making
   std::vector<double> renewed;       ///< rest lengths in the making
 
@@ -43,18 +41,17 @@ struct FairingState {
   }
 };
 
-/// Rest lengths = the current edge lengths, all vertices mobile. Precondition: a closed oriented mesh.
+/// Rest lengths = the current edge lengths. Precondition: a closed oriented mesh.
 FairingState fairing_state(const TriangleMesh& mesh, const VertexRings& rings);
 
 /// After edits of the mesh: edges that were there before keep their rest lengths, the others are born with
-/// the lengths that they have. before, rings: of the mesh at the edits' start and now. `mobility` and
-/// `gradient` have travelled with the edits.
+/// the lengths that they have. before, rings: of the mesh at the edits' start and now.
 void renew_fairing_state(const TriangleMesh& mesh, const VertexHistory& history, const VertexRings& before,
                          const VertexRings& rings, FairingState& state);
 
 /// Runs the iterations: every vertex moves from the same old state (Jacobi), so the order does not matter,
 /// and all are projected on f = 0 by Eq. 11. Then the rest lengths relax over dt [s]. Precondition: the
-/// vertices have been projected, and FairingState::gradient is theirs.
+/// vertices have been projected, and TriangleMesh::gradient is theirs.
 ///
 /// A vertex goes a share `relaxation` times its mobility of one Newton step towards the equilibrium of its
 /// springs, its neighbours fixed. A spring pulls with its length in space minus its rest length, along the

@@ -1,6 +1,7 @@
 #include "surface/tracker/surface_tracker.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "core/stopwatch.h"
 #include "surface/mesh/mesh_measures.h"
@@ -73,7 +74,7 @@ TrackerStep SurfaceTracker::settle(const Field& field) {
 TriangleMesh SurfaceTracker::settled(const Field& field, TriangleMesh mesh, const TrackerOptions& options) {
   SurfaceTracker tracker(std::move(mesh), options);
   TriangleMesh& moved = tracker.mesh_;
-  project_all(field, options.projection, moved.position, moved.unprojected, tracker.fairing_.gradient);
+  project_all(field, options.projection, moved.position, moved.unprojected, moved.gradient);
   tracker.settle(field);
   TriangleMesh at_rest = make_triangle_mesh(std::move(moved.position), std::move(moved.triangles));
   at_rest.unprojected = std::move(moved.unprojected);
@@ -88,17 +89,16 @@ void SurfaceTracker::finish(TrackerStep& report) const {
 /// Puts all vertices on the surface and finds out which ones fairing may move.
 double SurfaceTracker::project(const Field& field) {
   if (options_.fairing.iterations > 0 && options_.fairing.moves == FairedVertices::undetermined)
-    vertex_mobility(rings_, velocities_, fairing_.mobility);
-  return project_all(field, options_.projection, mesh_.position, mesh_.unprojected, fairing_.gradient);
+    vertex_mobility(rings_, velocities_, mesh_.mobility);
+  return project_all(field, options_.projection, mesh_.position, mesh_.unprojected, mesh_.gradient);
 }
 
 /// Returns whether something was replaced.
 bool SurfaceTracker::change_topology(const Field& field, Comparison comparison, TrackerStep& report) {
   TopologyCounts counts;
   report.topology_seconds += seconds_of([&] {
-    counts =
-        topology_change_.change(field, options_.topology, options_.remeshing.edge_length, options_.projection,
-                                comparison, mesh_, {fairing_.gradient, fairing_.mobility});
+    counts = topology_change_.change(field, options_.topology, options_.remeshing.edge_length,
+                                     options_.projection, comparison, mesh_);
     if (counts.replaced > 0) renew_connectivity(topology_change_.history());
   });
   report.topology += counts;
@@ -106,12 +106,12 @@ bool SurfaceTracker::change_topology(const Field& field, Comparison comparison, 
 }
 
 void SurfaceTracker::remesh(const Field& field, TrackerStep& report) {
-  const LatticeGuard guard = options_.topology.follows_field
-                                 ? topology_guard(field, options_.topology, options_.remeshing.edge_length)
-                                 : LatticeGuard();
+  std::optional<LatticeGuard> guard;
+  if (options_.topology.follows_field)
+    guard.emplace(topology_guard(field, options_.topology, options_.remeshing.edge_length));
   report.remesh_seconds += seconds_of([&] {
     const RemeshCounts counts = remesher_.remesh(field, options_.remeshing, options_.projection, rings_,
-                                                 mesh_, {fairing_.gradient, fairing_.mobility}, guard);
+                                                 mesh_, guard ? &*guard : nullptr);
     if (counts.any()) renew_connectivity(remesher_.history());
     report.edits += counts;
   });

@@ -73,6 +73,16 @@ void set_time(vtkPolyData& data, double time) {
       make_array<vtkDoubleArray>("TimeValue", 1, 1, [&](std::size_t) { return time; }));
 }
 
+vtkSmartPointer<vtkDataArray> make_added_array(const std::string& name, const std::vector<double>& values) {
+  return make_array<vtkDoubleArray>(name.c_str(), 1, values);
+}
+vtkSmartPointer<vtkDataArray> make_added_array(const std::string& name, const std::vector<Vec3>& values) {
+  return make_array<vtkDoubleArray>(name.c_str(), 3, values);
+}
+vtkSmartPointer<vtkDataArray> make_added_array(const std::string& name, const std::vector<int>& values) {
+  return make_array<vtkIntArray>(name.c_str(), 1, values);
+}
+
 bool has_sources(const TriangleMesh& mesh) {
   return std::ranges::any_of(mesh.source, [](int s) { return s != kUnknownSource; });
 }
@@ -158,6 +168,8 @@ vtkSmartPointer<vtkPolyData> surface_data(const SurfaceFrame& frame) {
   arrays.AddArray(make_array<vtkUnsignedCharArray>("checker", 3, frame.checker));
   if (!state.material_slip.empty()) arrays.AddArray(make_array("material_slip", 1, state.material_slip));
   arrays.AddArray(make_array<vtkUnsignedCharArray>("unprojected", 1, frame.mesh.unprojected));
+  for (const VertexArray& array : frame.mesh.added)
+    std::visit([&](const auto& of) { arrays.AddArray(make_added_array(array.name, of.values)); }, array.data);
   set_time(*data, frame.time);
   return data;
 }

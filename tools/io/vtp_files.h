@@ -40,7 +40,7 @@ struct SurfaceFrame {
 
 /// Point arrays Normals and TCoords (both active), velocity, mean_curvature, gaussian_curvature, confidence,
 /// rest_position, source (where that of any vertex is known), id (of a vertex for as long as it lives),
-/// checker, material_slip (where the material velocity is known) and unprojected.
+/// checker, material_slip (where the material velocity is known), unprojected, and the mesh's added arrays.
 vtkSmartPointer<vtkPolyData> surface_data(const SurfaceFrame& frame);
 
 /// All walls as one surface; cell array wall = index of the wall.

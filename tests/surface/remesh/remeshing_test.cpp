@@ -19,6 +19,12 @@ namespace {
 
 using testing::EllipsoidField;
 
+/// What a projection would leave, without moving anything.
+void set_gradient(const Field& field, TriangleMesh& mesh) {
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+    mesh.gradient[v] = field.value_and_gradient(mesh.position[v]).g;
+}
+
 std::vector<Vec3> normals(const Field& field, const TriangleMesh& mesh) {
   std::vector<Vec3> normal;
   for (const Vec3& x : mesh.position) normal.emplace_back(-field.value_and_gradient(x).g.normalized());
@@ -87,11 +93,9 @@ TEST(Remeshing, LeavesAGoodMeshAlone) {
   const std::size_t vertices = mesh.vertex_count();
   const TriangleMesh before = mesh;
   const VertexRings rings = vertex_rings(vertices, mesh.triangles);
-  std::vector<Vec3> gradient;
-  for (const Vec3& x : mesh.position) gradient.push_back(field.value_and_gradient(x).g);
-  std::vector<double> mobility(vertices, 1);
+  set_gradient(field, mesh);
   Remesher remesher;
-  remesher.remesh(field, {.edge_length = 0.1}, {}, rings, mesh, {gradient, mobility});
+  remesher.remesh(field, {.edge_length = 0.1}, {}, rings, mesh);
   EXPECT_GT(static_cast<double>(vertices_older_than(mesh, before.next_id)),
             0.98 * static_cast<double>(vertices));
   expect_in_order(field, mesh, {1, 0});
@@ -103,27 +107,22 @@ TEST(Remeshing, UntouchedVerticesKeepEveryBit) {
   for (Vec3& x : mesh.rest_position) x = Vec3(x[1], 2 * x[2], -x[0]);
   const TriangleMesh before = mesh;
   const VertexRings rings = vertex_rings(mesh.vertex_count(), mesh.triangles);
-  std::vector<Vec3> gradient;
-  std::vector<double> mobility;
-  for (const Vec3& x : mesh.position) {
-    gradient.push_back(field.value_and_gradient(x).g);
-    mobility.push_back(x[0]);
-  }
+  set_gradient(field, mesh);
+  std::ranges::transform(mesh.position, mesh.mobility.begin(), [](const Vec3& x) { return x[0]; });
   Remesher remesher;
-  const RemeshCounts counts =
-      remesher.remesh(field, {.edge_length = 0.16, .finest = 0.3}, {}, rings, mesh, {gradient, mobility});
+  const RemeshCounts counts = remesher.remesh(field, {.edge_length = 0.16, .finest = 0.3}, {}, rings, mesh);
   EXPECT_GT(counts.collapses, 100u);
-  ASSERT_EQ(gradient.size(), mesh.vertex_count());
+  ASSERT_EQ(mesh.gradient.size(), mesh.vertex_count());
   const std::size_t old = vertices_older_than(mesh, before.next_id);
   EXPECT_LT(old, before.vertex_count());
   for (std::size_t v = 0; v < old; ++v) {
     const auto was = static_cast<std::size_t>(mesh.id[v]);
     EXPECT_EQ(mesh.position[v], before.position[was]);
     EXPECT_EQ(mesh.rest_position[v], before.rest_position[was]);
-    EXPECT_EQ(mobility[v], before.position[was][0]);
+    EXPECT_EQ(mesh.mobility[v], before.position[was][0]);
   }
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
-    EXPECT_EQ(gradient[v], field.value_and_gradient(mesh.position[v]).g);
+    EXPECT_EQ(mesh.gradient[v], field.value_and_gradient(mesh.position[v]).g);
   expect_in_order(field, mesh, {1, 0});
 }
 
@@ -131,13 +130,11 @@ TEST(Remeshing, EdgesFollowTheCurvature) {
   // A long ellipsoid: curvature 1 / 0.04 and more at its tips, 1 / 0.2 at its waist.
   const EllipsoidField field(Vec3::Zero(), Mat3::Identity(), Vec3(1, 0.2, 0.2));
   TriangleMesh mesh = initial_mesh(field, 0.08, {});
-  std::vector<double> mobility(mesh.vertex_count(), 1);
-  std::vector<Vec3> gradient;
-  for (const Vec3& x : mesh.position) gradient.push_back(field.value_and_gradient(x).g);
+  set_gradient(field, mesh);
   Remesher remesher;
   for (int round = 0; round < 12; ++round)
     remesher.remesh(field, {.edge_length = 0.08, .turn = 0.3, .finest = 0.1}, {},
-                    vertex_rings(mesh.vertex_count(), mesh.triangles), mesh, {gradient, mobility});
+                    vertex_rings(mesh.vertex_count(), mesh.triangles), mesh);
   double tip = 0, tip_count = 0, waist = 0, waist_count = 0;
   for (const Triangle& t : mesh.triangles)
     for (int c = 0; c < 3; ++c) {
@@ -166,14 +163,12 @@ TEST(Remeshing, TrianglesThatCutThroughARimAreRefined) {
   constexpr double kEdge = 0.25;
   const EllipsoidField field(Vec3::Zero(), Mat3::Identity(), Vec3(1, 1, 0.12));
   TriangleMesh mesh = initial_mesh(field, kEdge, {});
-  std::vector<double> mobility(mesh.vertex_count(), 1);
-  std::vector<Vec3> gradient;
-  for (const Vec3& x : mesh.position) gradient.push_back(field.value_and_gradient(x).g);
+  set_gradient(field, mesh);
   const double before = largest_chord(field, mesh);
   Remesher remesher;
   for (int round = 0; round < 4; ++round)
     remesher.remesh(field, {.edge_length = kEdge}, {}, vertex_rings(mesh.vertex_count(), mesh.triangles),
-                    mesh, {gradient, mobility});
+                    mesh);
   EXPECT_GT(before, 0.25 * kEdge);
   EXPECT_LT(largest_chord(field, mesh), 0.2 * kEdge);
   EXPECT_EQ(self_intersections(mesh.position, mesh.triangles), 0u);
@@ -185,12 +180,10 @@ TEST(Remeshing, RestLengthsSurviveEditsElsewhere) {
   TriangleMesh mesh = initial_mesh(field, 0.1, {});
   const VertexRings before = vertex_rings(mesh.vertex_count(), mesh.triangles);
   FairingState state = fairing_state(mesh, before);
-  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
-    state.gradient[v] = field.value_and_gradient(mesh.position[v]).g;
+  set_gradient(field, mesh);
   for (double& rest : state.rest_length) rest *= 2;
   Remesher remesher;
-  remesher.remesh(field, {.edge_length = 0.14, .finest = 0.3}, {}, before, mesh,
-                  {state.gradient, state.mobility});
+  remesher.remesh(field, {.edge_length = 0.14, .finest = 0.3}, {}, before, mesh);
   const VertexRings rings = vertex_rings(mesh.vertex_count(), mesh.triangles);
   renew_fairing_state(mesh, remesher.history(), before, rings, state);
   std::size_t kept = 0, born = 0;

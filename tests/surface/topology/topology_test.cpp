@@ -298,19 +298,14 @@ TEST(Topology, HundredsOfPieces) {
 /// A mesh with what a change of topology needs to know of it.
 struct Sheet {
   TriangleMesh mesh;
-  std::vector<Vec3> gradient;
-  std::vector<double> mobility;
 
   /// A mesh of one field, projected on another.
-  Sheet(const Field& from, const Field& to, double edge)
-      : mesh(initial_mesh(from, edge, {})),
-        gradient(mesh.vertex_count()),
-        mobility(mesh.vertex_count(), 0.5) {
-    project_all(to, {}, mesh.position, mesh.unprojected, gradient);
+  Sheet(const Field& from, const Field& to, double edge) : mesh(initial_mesh(from, edge, {})) {
+    std::ranges::fill(mesh.mobility, 0.5);
+    project_all(to, {}, mesh.position, mesh.unprojected, mesh.gradient);
   }
   TopologyCounts change(TopologyChange& topology, const Field& field, double edge) {
-    return topology.change(field, {.follows_field = true}, edge, {}, Comparison::thorough, mesh,
-                           {gradient, mobility});
+    return topology.change(field, {.follows_field = true}, edge, {}, Comparison::thorough, mesh);
   }
 };
 
@@ -368,21 +363,21 @@ TEST(Topology, VerticesElsewhereKeepEverything) {
     EXPECT_EQ(mesh.source[v], nearer) << "of the nearer drop";
     const ValueAndGradient at = merged.value_and_gradient(mesh.position[v]);
     EXPECT_LE(std::abs(at.f), ProjectionOptions{}.tolerance * at.g.norm());
-    EXPECT_EQ(sheet.gradient[v], at.g);
+    EXPECT_EQ(sheet.mesh.gradient[v], at.g);
     EXPECT_LT(std::abs(mesh.position[v][0]), 0.6);
     EXPECT_LT(std::abs(old_at_rest.nearest(mesh.rest_position[v]).distance), 1e-12);
-    EXPECT_NEAR(sheet.mobility[v], 0.5, 1e-12);
+    EXPECT_NEAR(sheet.mesh.mobility[v], 0.5, 1e-12);
   }
   EXPECT_EQ(mesh.source.size(), mesh.vertex_count());
-  EXPECT_EQ(sheet.gradient.size(), mesh.vertex_count());
-  EXPECT_EQ(sheet.mobility.size(), mesh.vertex_count());
+  EXPECT_EQ(sheet.mesh.gradient.size(), mesh.vertex_count());
+  EXPECT_EQ(sheet.mesh.mobility.size(), mesh.vertex_count());
 }
 
 TEST(Topology, NothingIsLeftOfNothingAndComesBack) {
   const ParticleField drops = two_drops(2), nothing(FieldParticles{}, 0.3, 0);
   Sheet sheet(drops, drops, kEdge);
   std::ranges::fill(sheet.mesh.source, 4);
-  project_all(nothing, {}, sheet.mesh.position, sheet.mesh.unprojected, sheet.gradient);
+  project_all(nothing, {}, sheet.mesh.position, sheet.mesh.unprojected, sheet.mesh.gradient);
   TopologyChange gone;
   EXPECT_GT(sheet.change(gone, nothing, kEdge).replaced, 0u);
   EXPECT_EQ(sheet.mesh.vertex_count(), 0u);

@@ -148,7 +148,7 @@ TEST(InitialMesh, EmptyWhereThereIsNoSurface) {
 double project_and_fair(const Field& field, const VertexRings& rings, const FairingOptions& options,
                         const ProjectionOptions& projection, double dt, TriangleMesh& mesh,
                         FairingState& state) {
-  project_all(field, projection, mesh.position, mesh.unprojected, state.gradient);
+  project_all(field, projection, mesh.position, mesh.unprojected, mesh.gradient);
   return fair(field, rings, options, projection, dt, mesh, state);
 }
 

@@ -1,0 +1,304 @@
+#include "surface/mesh/mesh_edits.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "core/errors.h"
+#include "core/parallel.h"
+
+namespace kappaflow {
+
+namespace {
+
+/// Whether what lies around v, of each triangle the edge from its second corner to the third, is one fan.
+bool is_one_fan(std::vector<std::pair<int, int>> around) {
+  std::ranges::sort(around);
+  int at = around[0].first;
+  std::size_t steps = 0;
+  do {
+    const auto next = std::ranges::lower_bound(around, std::pair(at, -1));
+    if (next == around.end() || next->first != at) return false;
+    at = next->second;
+  } while (++steps < around.size() && at != around[0].first);
+  return steps == around.size() && at == around[0].first;
+}
+
+}  // namespace
+
+void MeshEdits::start(TriangleMesh& mesh, const EditGuard* guard) {
+  mesh_ = &mesh;
+  guard_ = guard;
+  history_.vertices_at_start = static_cast<int>(mesh.vertex_count());
+  mark_.assign(mesh.vertex_count(), 0);
+  question_ = 0;
+  set_twins();
+}
+
+/// Half-edges are sorted by their origin; each looks for its twin among those of its end.
+void MeshEdits::set_twins() {
+  out_.assign(mesh_->vertex_count(), -1);
+  const int n = static_cast<int>(3 * mesh_->triangles.size());
+  start_.assign(mesh_->vertex_count() + 1, 0);
+  for (int h = 0; h < n; ++h) ++start_[origin(h) + 1];
+  std::partial_sum(start_.begin(), start_.end(), start_.begin());
+  outgoing_.resize(n);
+  for (int h = n - 1; h >= 0; --h) {
+    out_[origin(h)] = h;
+    outgoing_[--start_[origin(h) + 1]] = {end(h), h};
+  }
+  // start_[v + 1] has moved down to where the half-edges of v begin.
+  twin_.resize(n);
+  parallel_for(twin_.size(), [&](std::size_t i) {
+    const int h = static_cast<int>(i), v = end(h),
+              last = v + 2 < static_cast<int>(start_.size()) ? start_[v + 2] : n;
+    const auto* const found = std::find_if(outgoing_.data() + start_[v + 1], outgoing_.data() + last,
+                                           [&](const auto& other) { return other.first == origin(h); });
+    twin_[h] = found == outgoing_.data() + last ? -1 : found->second;
+  });
+  if (const auto open = std::ranges::find(twin_, -1); open != twin_.end())
+    throw TopologyError(mesh_->position[end(static_cast<int>(open - twin_.begin()))],
+                        "a mesh to be edited is not closed here");
+}
+
+void MeshEdits::finish() {
+  alive_.resize(out_.size());
+  for (std::size_t v = 0; v < out_.size(); ++v) alive_[v] = out_[v] >= 0;
+  remove_dead(alive_, *mesh_, history_);
+  mesh_ = nullptr;
+}
+
+int MeshEdits::valence(int v) const {
+  int n = 0;
+  for_each_out(v, [&](int) { ++n; });
+  return n;
+}
+
+int MeshEdits::find(int u, int v) const {
+  if (!is_alive(u) || !is_alive(v)) return -1;
+  int found = -1;
+  for_each_out(u, [&](int h) {
+    if (end(h) == v) found = h;
+  });
+  return found;
+}
+
+void MeshEdits::link(int h, int twin) {
+  twin_[h] = twin;
+  twin_[twin] = h;
+}
+
+int MeshEdits::add_vertex(const VertexBlend& from, const Vec3& x) {
+  const int v = static_cast<int>(mesh_->vertex_count());
+  mesh_->position.push_back(x);
+  complete_vertex(*mesh_, v, &from);
+  out_.push_back(-1);
+  mark_.push_back(0);
+  return v;
+}
+
+int MeshEdits::add_triangle(const Triangle& triangle) {
+  mesh_->triangles.push_back(triangle);
+  twin_.resize(twin_.size() + 3, -1);
+  return static_cast<int>(mesh_->triangles.size()) - 1;
+}
+
+int MeshEdits::split(int h, double share, const Vec3& x) {
+  const int t = twin_[h], u = origin(h), v = end(h), a = apex(h), b = apex(t);
+  if (!allows(at(u), at(v), at(a), x) || !allows(at(v), at(u), at(b), x)) return -1;
+  const int va = twin_[next(h)], au = twin_[previous(h)], ub = twin_[next(t)], bv = twin_[previous(t)];
+  const int m = add_vertex({{u, v, v}, {1 - share, share, 0}}, x);
+  const int left = h / 3, right = t / 3, new_left = add_triangle({m, v, a}),
+            new_right = add_triangle({m, u, b});
+  mesh_->triangles[left] = {u, m, a};
+  mesh_->triangles[right] = {v, m, b};
+  link(3 * left, 3 * new_right);
+  link(3 * left + 1, 3 * new_left + 2);
+  link(3 * left + 2, au);
+  link(3 * new_left, 3 * right);
+  link(3 * new_left + 1, va);
+  link(3 * right + 1, 3 * new_right + 2);
+  link(3 * right + 2, bv);
+  link(3 * new_right + 1, ub);
+  out_[u] = 3 * left;
+  out_[v] = 3 * right;
+  out_[a] = 3 * left + 2;
+  out_[b] = 3 * right + 2;
+  out_[m] = 3 * new_left;
+  return m;
+}
+
+int MeshEdits::split(int triangle, const VertexBlend& from, const Vec3& x) {
+  const auto [a, b, c] = mesh_->triangles[triangle];
+  if (!allows(at(a), at(b), at(c), x)) return -1;
+  const int first = 3 * triangle, bc = twin_[first + 1], ca = twin_[first + 2];
+  const int m = add_vertex(from, x), second = 3 * add_triangle({b, c, m}),
+            third = 3 * add_triangle({c, a, m});
+  mesh_->triangles[triangle] = {a, b, m};
+  link(first + 1, second + 2);
+  link(second + 1, third + 2);
+  link(third + 1, first + 2);
+  link(second, bc);
+  link(third, ca);
+  out_[a] = first;
+  out_[b] = second;
+  out_[c] = third;
+  out_[m] = first + 2;
+  return m;
+}
+
+bool MeshEdits::can_collapse(int h) {
+  const int u = origin(h), v = end(h);
+  if (valence(apex(h)) <= 3 || valence(apex(twin_[h])) <= 3) return false;
+  ++question_;
+  for_each_out(u, [&](int out) { mark_[end(out)] = question_; });
+  int common = 0;
+  for_each_out(v, [&](int out) { common += mark_[end(out)] == question_; });
+  return common == 2;
+}
+
+/// Whether the triangles around v may go along with it to x.
+bool MeshEdits::allows_fan(int v, const Vec3& x) const {
+  if (guard_ == nullptr) return true;
+  bool allowed = true;
+  for_each_out(v, [&](int out) { allowed = allowed && allows(at(v), at(end(out)), at(apex(out)), x); });
+  return allowed;
+}
+
+bool MeshEdits::collapse(int h) {
+  if (!can_collapse(h) || !allows_fan(origin(h), at(end(h)))) return false;
+  const int t = twin_[h], u = origin(h), v = end(h), a = apex(h), b = apex(t);
+  const int va = twin_[next(h)], au = twin_[previous(h)], ub = twin_[next(t)], bv = twin_[previous(t)];
+  for_each_out(u, [&](int out) { mesh_->triangles[out / 3][out % 3] = v; });
+  link(va, au);
+  link(ub, bv);
+  mesh_->triangles[h / 3] = kRemovedTriangle;
+  mesh_->triangles[t / 3] = kRemovedTriangle;
+  out_[u] = -1;
+  out_[v] = au;
+  out_[a] = va;
+  out_[b] = ub;
+  return true;
+}
+
+bool MeshEdits::flip(int h) {
+  const int t = twin_[h], u = origin(h), v = end(h), a = apex(h), b = apex(t);
+  if (valence(u) <= 3 || valence(v) <= 3 || find(a, b) >= 0 || !allows(at(u), at(v), at(a), at(b)))
+    return false;
+  const int va = twin_[next(h)], au = twin_[previous(h)], ub = twin_[next(t)], bv = twin_[previous(t)];
+  const int left = h / 3, right = t / 3;
+  mesh_->triangles[left] = {u, b, a};
+  mesh_->triangles[right] = {v, a, b};
+  link(3 * left, ub);
+  link(3 * left + 1, 3 * right + 1);
+  link(3 * left + 2, au);
+  link(3 * right, va);
+  link(3 * right + 2, bv);
+  out_[u] = 3 * left;
+  out_[v] = 3 * right;
+  out_[a] = 3 * left + 2;
+  out_[b] = 3 * right + 2;
+  return true;
+}
+
+int MeshEdits::replace(int v, const VertexBlend& from, const Vec3& x) {
+  if (!allows_fan(v, x)) return -1;
+  const int m = add_vertex(from, x);
+  const int first = out_[v];
+  for_each_out(v, [&](int out) { mesh_->triangles[out / 3][out % 3] = m; });
+  out_[v] = -1;
+  out_[m] = first;
+  return m;
+}
+
+int MeshEdits::try_vertex(const Vec3& x, const Vec3& gradient, bool on_surface) {
+  mesh_->position.push_back(x);
+  mesh_->gradient.push_back(gradient);
+  mesh_->unprojected.push_back(on_surface ? 0 : 1);
+  return static_cast<int>(mesh_->vertex_count()) - 1;
+}
+
+void MeshEdits::discard_tried() {
+  mesh_->position.resize(out_.size());
+  mesh_->gradient.resize(out_.size());
+  mesh_->unprojected.resize(out_.size());
+}
+
+std::vector<int> MeshEdits::misfits(std::span<const int> removed, std::span<const Triangle> added) const {
+  std::vector<int> taken_out(removed.begin(), removed.end());
+  std::ranges::sort(taken_out);
+  const auto stays = [&](int h) { return h >= 0 && !std::ranges::binary_search(taken_out, h / 3); };
+  std::vector<std::pair<int, int>> edges;
+  for (const Triangle& t : added)
+    for (int c = 0; c < 3; ++c) edges.emplace_back(t[c], t[(c + 1) % 3]);
+  std::ranges::sort(edges);
+  const auto once = [&](int u, int v) {
+    const auto [first, last] = std::equal_range(edges.begin(), edges.end(), std::pair(u, v));
+    return last - first + stays(find(u, v)) == 1;
+  };
+  std::vector<Triangle> corners;  // each triangle as each of its corners sees it
+  for (const auto& [a, b, c] : added) corners.insert(corners.end(), {{a, b, c}, {b, c, a}, {c, a, b}});
+  std::ranges::sort(corners);
+  const auto is_manifold_at = [&](int v) {
+    std::vector<std::pair<int, int>> around;
+    for (auto at_v = std::ranges::lower_bound(corners, Triangle{v, -1, -1});
+         at_v != corners.end() && (*at_v)[0] == v; ++at_v)
+      around.emplace_back((*at_v)[1], (*at_v)[2]);
+    if (is_alive(v))
+      for_each_out(v, [&](int h) {
+        if (stays(h)) around.emplace_back(end(h), apex(h));
+      });
+    return is_one_fan(std::move(around));
+  };
+  std::vector<int> found;
+  for (int t = 0; t < static_cast<int>(added.size()); ++t)
+    for (int c = 0; c < 3; ++c) {
+      const int u = added[t][c], v = added[t][(c + 1) % 3];
+      if (once(u, v) && once(v, u) && is_manifold_at(u)) continue;
+      found.push_back(t);
+      break;
+    }
+  return found;
+}
+
+bool MeshEdits::exchange(std::span<const int> removed, std::span<const Triangle> added,
+                         std::span<const VertexBlend> from) {
+  if (!misfits(removed, added).empty()) return false;
+  const std::size_t first_tried = out_.size();
+  for (std::size_t v = first_tried; v < mesh_->vertex_count(); ++v)
+    complete_vertex(*mesh_, v, from.empty() ? nullptr : &from[v - first_tried]);
+  out_.resize(mesh_->vertex_count(), -1);
+  mark_.resize(mesh_->vertex_count(), 0);
+  std::vector<int> open;
+  take_out(removed, open);
+  put_in(added, open);
+  return true;
+}
+
+/// open: the half-edges along the rim of what was taken out.
+void MeshEdits::take_out(std::span<const int> removed, std::vector<int>& open) {
+  for (const int t : removed)
+    for (int h = 3 * t; h < 3 * t + 3; ++h) {
+      out_[origin(h)] = -1;
+      open.push_back(twin_[h]);
+    }
+  for (const int t : removed) mesh_->triangles[t] = kRemovedTriangle;
+  std::erase_if(open, [&](int h) { return is_removed(h); });
+}
+
+void MeshEdits::put_in(std::span<const Triangle> added, std::vector<int>& open) {
+  for (const Triangle& t : added) {
+    const int first = 3 * add_triangle(t);
+    for (int h = first; h < first + 3; ++h) open.push_back(h);
+  }
+  const auto edge = [&](int h) { return std::pair<int, int>(std::minmax({origin(h), end(h)})); };
+  std::ranges::sort(open, [&](int g, int h) { return std::pair(edge(g), g) < std::pair(edge(h), h); });
+  for (std::size_t i = 0; i < open.size(); i += 2) link(open[i], open[i + 1]);
+  for (const int h : open) out_[origin(h)] = h;
+}
+
+void MeshEdits::drop_removed_triangles() {
+  std::erase(mesh_->triangles, kRemovedTriangle);
+  set_twins();
+}
+
+}  // namespace kappaflow

@@ -1,0 +1,125 @@
+// The one gate through which the connectivity of a mesh changes.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "surface/mesh/triangle_mesh.h"
+
+namespace kappaflow {
+
+/// What may refuse edits beside the gate itself. An edit sweeps tetrahedra: triangle (a, b, c), of the mesh,
+/// gives way to the three other sides of the one with x.
+class EditGuard {
+ public:
+  virtual ~EditGuard() = default;
+  /// Whether the tetrahedron may be swept. Must not depend on calls before.
+  virtual bool allows(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& x) const = 0;
+};
+
+/// The one gate through which the connectivity of a mesh changes. It refuses what would leave the mesh not a
+/// closed oriented 2-manifold, and what the guard refuses; whether an edit is good for the shape is the
+/// caller's question. An edit that is refused changes nothing. Vertices that an edit does not make or remove
+/// keep their id and all that arrays hold of them; new ones get their entries by the arrays' rules (Carry).
+///
+/// Half-edge h = 3 t + c runs from corner c of triangle t to the next corner. An edit renumbers half-edges of
+/// the triangles that it touches; vertices keep their numbers until finish().
+class MeshEdits {
+ public:
+  /// Starts on a closed oriented mesh, which is borrowed until finish(), as is the guard; null: none. Throws
+  /// TopologyError for a mesh that is not closed. Scratch is kept from one mesh to the next.
+  void start(TriangleMesh& mesh, const EditGuard* guard = nullptr);
+  /// Removes what collapses have left over. Vertices keep their order, so ids stay ascending; triangles too.
+  void finish();
+
+  const TriangleMesh& mesh() const { return *mesh_; }
+  const Vec3& at(int v) const { return mesh_->position[v]; }
+  static int next(int h) { return h % 3 == 2 ? h - 2 : h + 1; }
+  static int previous(int h) { return h % 3 == 0 ? h + 2 : h - 1; }
+  int half_edges() const { return static_cast<int>(twin_.size()); }
+  bool is_removed(int h) const { return mesh_->triangles[h / 3][0] < 0; }
+  int origin(int h) const { return mesh_->triangles[h / 3][h % 3]; }
+  int end(int h) const { return origin(next(h)); }
+  int apex(int h) const { return origin(previous(h)); }  ///< the third corner of its triangle
+  int twin(int h) const { return twin_[h]; }             ///< the same edge the other way round
+  bool is_alive(int v) const { return v < static_cast<int>(out_.size()) && out_[v] >= 0; }
+
+  /// Calls visit(h) for every half-edge that starts at v, clockwise seen from outside.
+  template <class Visit>
+  void for_each_out(int v, const Visit& visit) const {
+    int h = out_[v];
+    do {
+      visit(h);
+      h = twin_[previous(h)];
+    } while (h != out_[v]);
+  }
+  int valence(int v) const;
+  /// The half-edge from u to v; -1 where there is none, or one of them is gone.
+  int find(int u, int v) const;
+
+  /// Puts a vertex at x on edge h; it comes from the edge's ends, from the end by `share`. Returns it, or -1
+  /// where that is refused.
+  int split(int h, double share, const Vec3& x);
+  /// Puts a vertex at x into a triangle, joined with its three corners. Returns it, or -1.
+  int split(int triangle, const VertexBlend& from, const Vec3& x);
+  /// Whether the origin of h may be joined with its end, whatever the guard says: the link condition, i.e. no
+  /// vertex but the two apexes neighbours both, and each apex keeps three triangles.
+  bool can_collapse(int h);
+  /// Removes the origin of h with two triangles; its other triangles go to the end of h.
+  bool collapse(int h);
+  /// Replaces edge h by the edge between its apexes; not where these are neighbours already or an end of h
+  /// has three triangles only.
+  bool flip(int h);
+  /// Puts a new vertex at x in place of v. Returns it, or -1.
+  int replace(int v, const VertexBlend& from, const Vec3& x);
+
+  /// Puts a vertex at x on trial: it has a place, the field's gradient there, and whether it is on the
+  /// surface, and no more. Returns it.
+  int try_vertex(const Vec3& x, const Vec3& gradient, bool on_surface = true);
+  /// The number of the first vertex on trial, if there is one.
+  std::size_t first_tried() const { return out_.size(); }
+  /// Takes the vertices on trial away.
+  void discard_tried();
+  /// Of the triangles to be added in exchange for those removed, by number, ascending, those with which the
+  /// mesh would not be closed, oriented and manifold. Corners are vertices of the mesh or on trial.
+  std::vector<int> misfits(std::span<const int> removed, std::span<const Triangle> added) const;
+  /// Takes triangles out and puts others in; makes the vertices on trial vertices of the mesh, from[i] the
+  /// i-th of them; empty: all from nowhere. The guard is not asked: this is how the topology changes. Refused
+  /// where there are misfits().
+  bool exchange(std::span<const int> removed, std::span<const Triangle> added,
+                std::span<const VertexBlend> from);
+  /// Drops what exchange() took out from the mesh's triangles, which renumbers them.
+  void drop_removed_triangles();
+
+  void set_gradient(int v, const Vec3& gradient) { mesh_->gradient[v] = gradient; }
+
+  /// After finish(): what became of the vertices.
+  const VertexHistory& history() const { return history_; }
+
+ private:
+  void link(int h, int twin);
+  bool allows(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& x) const {
+    return guard_ == nullptr || guard_->allows(a, b, c, x);
+  }
+  bool allows_fan(int v, const Vec3& x) const;
+  int add_vertex(const VertexBlend& from, const Vec3& x);
+  void take_out(std::span<const int> removed, std::vector<int>& open);
+  void put_in(std::span<const Triangle> added, std::vector<int>& open);
+  int add_triangle(const Triangle& triangle);
+  void set_twins();
+
+  TriangleMesh* mesh_ = nullptr;
+  const EditGuard* guard_ = nullptr;
+  std::vector<int> twin_;  // of each half-edge; meaningless where its triangle, {-1, -1, -1}, is removed
+  std::vector<int> out_;   // a half-edge that starts at the vertex; -1 where it is gone
+  std::vector<std::uint32_t> mark_;  // of each vertex: the question it was last marked for
+  std::uint32_t question_ = 0;
+  VertexHistory history_;
+  std::vector<char> alive_;
+  std::vector<int> start_;                     // scratch of set_twins()
+  std::vector<std::pair<int, int>> outgoing_;  // likewise: end and number of each half-edge, by origin
+};
+
+}  // namespace kappaflow
