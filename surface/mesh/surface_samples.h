@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "surface/mesh/vertex_rings.h"
+#include "core/connectivity.h"
 
 namespace kappaflow {
 

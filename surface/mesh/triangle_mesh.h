@@ -6,9 +6,9 @@
 #include <string_view>
 #include <vector>
 
+#include "core/connectivity.h"
 #include "surface/mesh/vertex_arrays.h"
 #include "surface/mesh/vertex_history.h"
-#include "surface/mesh/vertex_rings.h"
 
 namespace kappaflow {
 

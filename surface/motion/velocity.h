@@ -11,9 +11,9 @@
 #include <string_view>
 #include <vector>
 
+#include "core/connectivity.h"
 #include "core/named.h"
 #include "surface/field/field.h"
-#include "surface/mesh/vertex_rings.h"
 
 namespace kappaflow {
 

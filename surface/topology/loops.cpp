@@ -1,7 +1,6 @@
 #include "surface/topology/loops.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <utility>
 
 #include "surface/mesh/mesh_measures.h"
@@ -10,8 +9,6 @@ namespace kappaflow {
 namespace {
 
 constexpr double kFacingWeight = 4;  // how much a triangle that faces sideways costs
-
-using Edge = std::pair<int, int>;
 
 struct Cost {
   std::span<const Vec3> position, gradient;
@@ -22,29 +19,6 @@ struct Cost {
     return longest * (1 + kFacingWeight * (1 - facing(x, y, z, normals)));
   }
 };
-
-/// The directed edges without an edge in the opposite direction, ascending.
-std::vector<Edge> open_edges(std::span<const Triangle> triangles) {
-  // Both directions of an edge side by side: the smaller vertex, the larger one, and which way it runs.
-  std::vector<std::uint64_t> keys;
-  keys.reserve(3 * triangles.size());
-  for (const Triangle& t : triangles)
-    for (int c = 0; c < 3; ++c) {
-      const auto u = static_cast<std::uint64_t>(t[c]), v = static_cast<std::uint64_t>(t[(c + 1) % 3]);
-      keys.push_back(std::min(u, v) << 33 | std::max(u, v) << 1 | (u > v ? 1 : 0));
-    }
-  std::ranges::sort(keys);
-  std::vector<Edge> open;
-  for (std::size_t first = 0, last = 0; first < keys.size(); first = last) {
-    while (last < keys.size() && keys[last] >> 1 == keys[first] >> 1) ++last;
-    if (((keys[first] ^ keys[last - 1]) & 1) != 0) continue;
-    const int small = static_cast<int>(keys[first] >> 33),
-              large = static_cast<int>(keys[first] >> 1 & 0xffffffff);
-    open.insert(open.end(), last - first, (keys[first] & 1) != 0 ? Edge(large, small) : Edge(small, large));
-  }
-  std::ranges::sort(open);
-  return open;
-}
 
 /// The loop turned so that it begins with its i-th vertex, which comes again at the end.
 std::vector<int> turned(std::span<const int> loop, std::size_t i) {
@@ -67,26 +41,6 @@ std::pair<std::size_t, std::size_t> nearest_pair(std::span<const Vec3> position,
 }
 
 }  // namespace
-
-Boundary boundary_of(std::span<const Triangle> triangles) {
-  const std::vector<Edge> open = open_edges(triangles);
-  Boundary boundary;
-  for (std::size_t e = 1; e < open.size(); ++e)
-    if (open[e].first == open[e - 1].first) boundary.pinched.push_back(open[e].first);
-  if (!boundary.pinched.empty()) return boundary;
-  std::vector<char> done(open.size(), 0);
-  for (std::size_t first = 0; first < open.size(); ++first) {
-    if (done[first]) continue;
-    std::vector<int>& loop = boundary.loops.emplace_back();
-    for (std::size_t e = first; !done[e];) {
-      done[e] = 1;
-      loop.push_back(open[e].first);
-      e = static_cast<std::size_t>(std::ranges::lower_bound(open, open[e].second, {}, &Edge::first) -
-                                   open.begin());
-    }
-  }
-  return boundary;
-}
 
 std::vector<Triangle> strip_between(std::span<const Vec3> position, std::span<const Vec3> gradient,
                                     std::span<const int> from, std::span<const int> to) {

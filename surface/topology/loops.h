@@ -1,4 +1,4 @@
-// Boundary loops of open pieces of a mesh, and the triangles that close the gap between two, or one.
+// The triangles that close the gap between two boundary loops of a mesh, or within one.
 #pragma once
 
 #include <span>
@@ -7,13 +7,6 @@
 #include "core/types.h"
 
 namespace kappaflow {
-
-/// The boundary of a set of triangles: its directed edges (u, v) without an edge (v, u).
-struct Boundary {
-  std::vector<std::vector<int>> loops;  ///< vertices in the order of the edges; by smallest vertex
-  std::vector<int> pinched;             ///< vertices where several edges start; without loops then
-};
-Boundary boundary_of(std::span<const Triangle> triangles);
 
 /// Triangles between two loops that run side by side: they hold the edges of `from` as they run and those of
 /// `to` against their run. Among all such strips that start at the shortest distance between the loops, the

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "surface/mesh/vertex_rings.h"
+#include "core/connectivity.h"
 #include "surface/motion/velocity.h"
 
 namespace kappaflow {

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <random>
 
+#include "core/connectivity.h"
 #include "core/nearest_on_triangle.h"
 #include "surface/mesh/isosurface.h"
 #include "surface/mesh/mesh_measures.h"
@@ -151,22 +152,6 @@ TEST(SeenByLattice, LeavesOutWhatPassesBetweenThePoints) {
   const MeshTopology topology = mesh_topology(seen.position, seen.triangles);
   EXPECT_EQ(topology.components, 1);
   EXPECT_EQ(topology.genus, 0);
-}
-
-TEST(Boundary, LoopsRunAsTheTrianglesDo) {
-  // A square ring of eight triangles: the outer loop counter-clockwise, the inner one clockwise.
-  const std::vector<Triangle> ring{{0, 1, 4}, {1, 5, 4}, {1, 2, 5}, {2, 6, 5},
-                                   {2, 3, 6}, {3, 7, 6}, {3, 0, 7}, {0, 4, 7}};
-  const Boundary boundary = boundary_of(ring);
-  EXPECT_TRUE(boundary.pinched.empty());
-  ASSERT_EQ(boundary.loops.size(), 2u);
-  EXPECT_EQ(boundary.loops[0], (std::vector{0, 1, 2, 3}));
-  EXPECT_EQ(boundary.loops[1], (std::vector{4, 7, 6, 5}));
-}
-
-TEST(Boundary, PinchedVerticesAreFound) {
-  EXPECT_EQ(boundary_of(std::vector<Triangle>{{0, 1, 2}, {2, 3, 4}}).pinched, std::vector{2});
-  EXPECT_TRUE(boundary_of({}).loops.empty());
 }
 
 /// A loop of n points on a circle of the given radius about z, at height z, starting anywhere.
