@@ -1,10 +1,8 @@
 #include "surface/mesh/mesh_edits.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "core/errors.h"
-#include "core/parallel.h"
 
 namespace kappaflow {
 
@@ -34,30 +32,13 @@ void MeshEdits::start(TriangleMesh& mesh, const EditGuard* guard) {
   set_twins();
 }
 
-/// Half-edges are sorted by their origin; each looks for its twin among those of its end.
 void MeshEdits::set_twins() {
-  out_.assign(mesh_->vertex_count(), -1);
-  const int n = static_cast<int>(3 * mesh_->triangles.size());
-  start_.assign(mesh_->vertex_count() + 1, 0);
-  for (int h = 0; h < n; ++h) ++start_[origin(h) + 1];
-  std::partial_sum(start_.begin(), start_.end(), start_.begin());
-  outgoing_.resize(n);
-  for (int h = n - 1; h >= 0; --h) {
-    out_[origin(h)] = h;
-    outgoing_[--start_[origin(h) + 1]] = {end(h), h};
-  }
-  // start_[v + 1] has moved down to where the half-edges of v begin.
-  twin_.resize(n);
-  parallel_for(twin_.size(), [&](std::size_t i) {
-    const int h = static_cast<int>(i), v = end(h),
-              last = v + 2 < static_cast<int>(start_.size()) ? start_[v + 2] : n;
-    const auto* const found = std::find_if(outgoing_.data() + start_[v + 1], outgoing_.data() + last,
-                                           [&](const auto& other) { return other.first == origin(h); });
-    twin_[h] = found == outgoing_.data() + last ? -1 : found->second;
-  });
+  twins_of(mesh_->triangles, sides_, twin_);
   if (const auto open = std::ranges::find(twin_, -1); open != twin_.end())
     throw TopologyError(mesh_->position[end(static_cast<int>(open - twin_.begin()))],
-                        "a mesh to be edited is not closed here");
+                        "a mesh to be edited is not closed and manifold here");
+  out_.assign(mesh_->vertex_count(), -1);
+  for (int h = half_edges() - 1; h >= 0; --h) out_[origin(h)] = h;
 }
 
 void MeshEdits::finish() {
@@ -105,7 +86,8 @@ int MeshEdits::add_triangle(const Triangle& triangle) {
 int MeshEdits::split(int h, double share, const Vec3& x) {
   const int t = twin_[h], u = origin(h), v = end(h), a = apex(h), b = apex(t);
   if (!allows(at(u), at(v), at(a), x) || !allows(at(v), at(u), at(b), x)) return -1;
-  const int va = twin_[next(h)], au = twin_[previous(h)], ub = twin_[next(t)], bv = twin_[previous(t)];
+  const int va = twin_[next_half_edge(h)], au = twin_[previous_half_edge(h)], ub = twin_[next_half_edge(t)],
+            bv = twin_[previous_half_edge(t)];
   const int m = add_vertex({{u, v, v}, {1 - share, share, 0}}, x);
   const int left = h / 3, right = t / 3, new_left = add_triangle({m, v, a}),
             new_right = add_triangle({m, u, b});
@@ -167,7 +149,8 @@ bool MeshEdits::allows_fan(int v, const Vec3& x) const {
 bool MeshEdits::collapse(int h) {
   if (!can_collapse(h) || !allows_fan(origin(h), at(end(h)))) return false;
   const int t = twin_[h], u = origin(h), v = end(h), a = apex(h), b = apex(t);
-  const int va = twin_[next(h)], au = twin_[previous(h)], ub = twin_[next(t)], bv = twin_[previous(t)];
+  const int va = twin_[next_half_edge(h)], au = twin_[previous_half_edge(h)], ub = twin_[next_half_edge(t)],
+            bv = twin_[previous_half_edge(t)];
   for_each_out(u, [&](int out) { mesh_->triangles[out / 3][out % 3] = v; });
   link(va, au);
   link(ub, bv);
@@ -184,7 +167,8 @@ bool MeshEdits::flip(int h) {
   const int t = twin_[h], u = origin(h), v = end(h), a = apex(h), b = apex(t);
   if (valence(u) <= 3 || valence(v) <= 3 || find(a, b) >= 0 || !allows(at(u), at(v), at(a), at(b)))
     return false;
-  const int va = twin_[next(h)], au = twin_[previous(h)], ub = twin_[next(t)], bv = twin_[previous(t)];
+  const int va = twin_[next_half_edge(h)], au = twin_[previous_half_edge(h)], ub = twin_[next_half_edge(t)],
+            bv = twin_[previous_half_edge(t)];
   const int left = h / 3, right = t / 3;
   mesh_->triangles[left] = {u, b, a};
   mesh_->triangles[right] = {v, a, b};

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "core/connectivity.h"
 #include "surface/mesh/triangle_mesh.h"
 
 namespace kappaflow {
@@ -24,8 +25,8 @@ class EditGuard {
 /// caller's question. An edit that is refused changes nothing. Vertices that an edit does not make or remove
 /// keep their id and all that arrays hold of them; new ones get their entries by the arrays' rules (Carry).
 ///
-/// Half-edge h = 3 t + c runs from corner c of triangle t to the next corner. An edit renumbers half-edges of
-/// the triangles that it touches; vertices keep their numbers until finish().
+/// An edit renumbers the half-edges (see core/connectivity.h) of the triangles that it touches; vertices keep
+/// their numbers until finish().
 class MeshEdits {
  public:
   /// Starts on a closed oriented mesh, which is borrowed until finish(), as is the guard; null: none. Throws
@@ -36,14 +37,12 @@ class MeshEdits {
 
   const TriangleMesh& mesh() const { return *mesh_; }
   const Vec3& at(int v) const { return mesh_->position[v]; }
-  static int next(int h) { return h % 3 == 2 ? h - 2 : h + 1; }
-  static int previous(int h) { return h % 3 == 0 ? h + 2 : h - 1; }
   int half_edges() const { return static_cast<int>(twin_.size()); }
   bool is_removed(int h) const { return mesh_->triangles[h / 3][0] < 0; }
-  int origin(int h) const { return mesh_->triangles[h / 3][h % 3]; }
-  int end(int h) const { return origin(next(h)); }
-  int apex(int h) const { return origin(previous(h)); }  ///< the third corner of its triangle
-  int twin(int h) const { return twin_[h]; }             ///< the same edge the other way round
+  int origin(int h) const { return origin_of(mesh_->triangles, h); }
+  int end(int h) const { return end_of(mesh_->triangles, h); }
+  int apex(int h) const { return origin(previous_half_edge(h)); }  ///< the third corner of its triangle
+  int twin(int h) const { return twin_[h]; }                       ///< the same edge the other way round
   bool is_alive(int v) const { return v < static_cast<int>(out_.size()) && out_[v] >= 0; }
 
   /// Calls visit(h) for every half-edge that starts at v, clockwise seen from outside.
@@ -52,7 +51,7 @@ class MeshEdits {
     int h = out_[v];
     do {
       visit(h);
-      h = twin_[previous(h)];
+      h = twin_[previous_half_edge(h)];
     } while (h != out_[v]);
   }
   int valence(int v) const;
@@ -118,8 +117,7 @@ class MeshEdits {
   std::uint32_t question_ = 0;
   VertexHistory history_;
   std::vector<char> alive_;
-  std::vector<int> start_;                     // scratch of set_twins()
-  std::vector<std::pair<int, int>> outgoing_;  // likewise: end and number of each half-edge, by origin
+  EdgeSides sides_;  // scratch of set_twins()
 };
 
 }  // namespace kappaflow
