@@ -8,17 +8,15 @@ namespace kappaflow {
 
 namespace {
 
-/// Whether what lies around v, of each triangle the edge from its second corner to the third, is one fan.
-bool is_one_fan(std::vector<std::pair<int, int>> around) {
-  std::ranges::sort(around);
-  int at = around[0].first;
-  std::size_t steps = 0;
+/// Whether the triangles at the origin of h, `count` of them, are one closed fan.
+bool is_one_fan(std::span<const int> twin, int h, std::ptrdiff_t count) {
+  std::ptrdiff_t steps = 0;
+  int at = h;
   do {
-    const auto next = std::ranges::lower_bound(around, std::pair(at, -1));
-    if (next == around.end() || next->first != at) return false;
-    at = next->second;
-  } while (++steps < around.size() && at != around[0].first);
-  return steps == around.size() && at == around[0].first;
+    at = twin[previous_half_edge(at)];
+    ++steps;
+  } while (at >= 0 && at != h && steps < count);
+  return at == h && steps == count;
 }
 
 }  // namespace
@@ -207,38 +205,36 @@ void MeshEdits::discard_tried() {
   mesh_->unprojected.resize(out_.size());
 }
 
-std::vector<int> MeshEdits::misfits(std::span<const int> removed, std::span<const Triangle> added) const {
-  std::vector<int> taken_out(removed.begin(), removed.end());
-  std::ranges::sort(taken_out);
-  const auto stays = [&](int h) { return h >= 0 && !std::ranges::binary_search(taken_out, h / 3); };
-  std::vector<std::pair<int, int>> edges;
+/// The triangles at corners of the added ones that are not removed.
+std::vector<Triangle> MeshEdits::staying_around(std::span<const int> removed,
+                                                std::span<const Triangle> added) const {
+  std::vector<int> gone(removed.begin(), removed.end()), around;
+  std::ranges::sort(gone);
   for (const Triangle& t : added)
-    for (int c = 0; c < 3; ++c) edges.emplace_back(t[c], t[(c + 1) % 3]);
-  std::ranges::sort(edges);
-  const auto once = [&](int u, int v) {
-    const auto [first, last] = std::equal_range(edges.begin(), edges.end(), std::pair(u, v));
-    return last - first + stays(find(u, v)) == 1;
-  };
-  std::vector<Triangle> corners;  // each triangle as each of its corners sees it
-  for (const auto& [a, b, c] : added) corners.insert(corners.end(), {{a, b, c}, {b, c, a}, {c, a, b}});
+    for (const int v : t)
+      if (is_alive(v)) for_each_out(v, [&](int h) { around.push_back(h / 3); });
+  std::ranges::sort(around);
+  around.erase(std::unique(around.begin(), around.end()), around.end());
+  std::vector<Triangle> staying;
+  for (const int t : around)
+    if (!std::ranges::binary_search(gone, t)) staying.push_back(mesh_->triangles[t]);
+  return staying;
+}
+
+std::vector<int> MeshEdits::misfits(std::span<const int> removed, std::span<const Triangle> added) const {
+  std::vector<Triangle> all = staying_around(removed, added);
+  const std::size_t first_added = all.size();
+  all.insert(all.end(), added.begin(), added.end());
+  const std::vector<int> twin = twins_of(all);
+  std::vector<int> corners;
+  for (const Triangle& t : all) corners.insert(corners.end(), t.begin(), t.end());
   std::ranges::sort(corners);
-  const auto is_manifold_at = [&](int v) {
-    std::vector<std::pair<int, int>> around;
-    for (auto at_v = std::ranges::lower_bound(corners, Triangle{v, -1, -1});
-         at_v != corners.end() && (*at_v)[0] == v; ++at_v)
-      around.emplace_back((*at_v)[1], (*at_v)[2]);
-    if (is_alive(v))
-      for_each_out(v, [&](int h) {
-        if (stays(h)) around.emplace_back(end(h), apex(h));
-      });
-    return is_one_fan(std::move(around));
-  };
   std::vector<int> found;
-  for (int t = 0; t < static_cast<int>(added.size()); ++t)
-    for (int c = 0; c < 3; ++c) {
-      const int u = added[t][c], v = added[t][(c + 1) % 3];
-      if (once(u, v) && once(v, u) && is_manifold_at(u)) continue;
-      found.push_back(t);
+  for (std::size_t t = first_added; t < all.size(); ++t)
+    for (int h = static_cast<int>(3 * t); h < static_cast<int>(3 * t + 3); ++h) {
+      const auto [first, last] = std::ranges::equal_range(corners, origin_of(all, h));
+      if (twin[h] >= 0 && is_one_fan(twin, h, last - first)) continue;
+      found.push_back(static_cast<int>(t - first_added));
       break;
     }
   return found;

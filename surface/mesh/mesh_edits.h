@@ -104,6 +104,7 @@ class MeshEdits {
   }
   bool allows_fan(int v, const Vec3& x) const;
   int add_vertex(const VertexBlend& from, const Vec3& x);
+  std::vector<Triangle> staying_around(std::span<const int> removed, std::span<const Triangle> added) const;
   void take_out(std::span<const int> removed, std::vector<int>& open);
   void put_in(std::span<const Triangle> added, std::vector<int>& open);
   int add_triangle(const Triangle& triangle);

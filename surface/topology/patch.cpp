@@ -3,13 +3,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
+#include "core/connectivity.h"
 #include "core/nearest_on_triangle.h"
 #include "core/parallel.h"
 #include "surface/topology/disagreement.h"
-#include "surface/topology/loops.h"
 #include "surface/topology/triangle_bins.h"
 
 namespace kappaflow {
@@ -65,7 +64,7 @@ std::vector<Triangle> away_from_kept(const LocalIsosurface& iso, const TriangleM
 /// one: then the block is too small. So do closed ones outside; and specks go.
 Obstacles drop_foreign_pieces(const SampledField& lattice, const CellRegion& region, Patch& patch) {
   const LocalIsosurface& iso = patch.iso;
-  const std::vector<int> piece = pieces_of(iso.position.size(), patch.triangles);
+  const std::vector<int> piece = vertex_pieces(iso.position.size(), patch.triangles);
   std::vector<char> ends_at_side(piece.size(), 0), in_region(piece.size(), 0), open(piece.size(), 0);
   std::vector<std::size_t> size(piece.size(), 0);
   for (const Triangle& t : patch.triangles) {
@@ -90,22 +89,6 @@ Obstacles drop_foreign_pieces(const SampledField& lattice, const CellRegion& reg
 }
 
 }  // namespace
-
-std::vector<int> pieces_of(std::size_t vertices, std::span<const Triangle> triangles) {
-  std::vector<int> parent(vertices);
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](int v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  };
-  for (const auto& [a, b, c] : triangles)
-    for (const auto& [u, v] : {std::pair(a, b), std::pair(b, c)}) {
-      const int p = root(u), q = root(v);
-      parent[std::max(p, q)] = std::min(p, q);
-    }
-  for (int v = 0; v < static_cast<int>(vertices); ++v) parent[v] = root(v);
-  return parent;
-}
 
 std::vector<Triangle> triangles_of(const TriangleMesh& mesh, std::span<const int> numbers) {
   std::vector<Triangle> result;

@@ -45,7 +45,4 @@ bool leaves_surface(const ReplacementSetting& setting, const Patch& patch);
 /// Takes triangles out until no vertex joins two loops of the patch's boundary.
 void unpinch(std::vector<Triangle>& patch);
 
-/// The connected piece of each vertex, as its smallest vertex.
-std::vector<int> pieces_of(std::size_t vertices, std::span<const Triangle> triangles);
-
 }  // namespace kappaflow

@@ -53,7 +53,7 @@ std::vector<VertexBlend> origins_of_tried(const MeshEdits& edits, std::span<cons
 Obstacles fill(const ReplacementSetting& setting, const Hole& hole, Patch& patch, MeshEdits& edits) {
   place_vertices(patch, edits);
   std::vector<Triangle> seams;
-  Obstacles found = sew(edits.mesh(), hole, patch.triangles, seams);
+  Obstacles found = sew(edits, hole, patch.triangles, seams);
   if (found.empty()) found = unsound_places(setting, edits, hole, patch.triangles, seams);
   if (found.empty()) {
     std::vector<Triangle> added = patch.triangles;

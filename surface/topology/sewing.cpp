@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/connectivity.h"
 #include "surface/mesh/self_intersection.h"
 #include "surface/topology/disagreement.h"
 #include "surface/topology/loops.h"
@@ -39,19 +40,28 @@ int matching_hole(const TriangleMesh& mesh, std::span<const int> loop, const Loo
   return most == votes.end() || *most == 0 ? -1 : static_cast<int>(most - votes.begin());
 }
 
-/// Takes a piece of the patch with no other loop than this one away.
-bool drop_island(const TriangleMesh& mesh, const Loops& loops, std::size_t loop,
-                 std::vector<Triangle>& patch) {
-  const std::vector<int> piece = pieces_of(mesh.vertex_count(), patch);
-  const int island = piece[loops[loop][0]];
-  if (std::ranges::count_if(loops, [&](const auto& l) { return piece[l[0]] == island; }) > 1) return false;
-  std::erase_if(patch, [&](const Triangle& t) { return piece[t[0]] == island; });
+/// Takes a piece of the patch with no other loop than this one away. first: the patch's lowest vertex.
+bool drop_island(const Loops& loops, std::size_t loop, int first, std::vector<Triangle>& patch) {
+  int last = first;
+  std::vector<Triangle> own = patch;  // by the patch's own numbers
+  for (Triangle& t : own)
+    for (int& v : t) {
+      last = std::max(last, v);
+      v -= first;
+    }
+  const std::vector<int> piece = vertex_pieces(last - first + 1, own);
+  const auto piece_of = [&](int v) { return piece[v - first]; };
+  const int island = piece_of(loops[loop][0]);
+  if (std::ranges::count_if(loops, [&](const auto& l) { return piece_of(l[0]) == island; }) > 1) return false;
+  std::erase_if(patch, [&](const Triangle& t) { return piece_of(t[0]) == island; });
   return true;
 }
 
 /// loop_at: for each of the holes the loop of the patch that it is joined with, -1 where there is none.
-Obstacles match_loops(const TriangleMesh& mesh, const Loops& holes, const Loops& loops,
+Obstacles match_loops(const MeshEdits& edits, const Loops& holes, const Loops& loops,
                       std::vector<Triangle>& patch, std::vector<int>& loop_at) {
+  const TriangleMesh& mesh = edits.mesh();
+  const int first = static_cast<int>(edits.first_tried());
   loop_at.assign(holes.size(), -1);
   for (std::size_t l = 0; l < loops.size(); ++l) {
     const int hole = matching_hole(mesh, loops[l], holes);
@@ -62,7 +72,7 @@ Obstacles match_loops(const TriangleMesh& mesh, const Loops& holes, const Loops&
       continue;
     }
     const bool larger = loops[l].size() > loops[taken].size();
-    if (!drop_island(mesh, loops, larger ? taken : l, patch)) return places_of(mesh, holes[hole]);
+    if (!drop_island(loops, larger ? taken : l, first, patch)) return places_of(mesh, holes[hole]);
     if (larger) taken = static_cast<int>(l);
   }
   return {};
@@ -70,11 +80,12 @@ Obstacles match_loops(const TriangleMesh& mesh, const Loops& holes, const Loops&
 
 }  // namespace
 
-Obstacles sew(const TriangleMesh& mesh, const Hole& hole, std::vector<Triangle>& patch,
+Obstacles sew(const MeshEdits& edits, const Hole& hole, std::vector<Triangle>& patch,
               std::vector<Triangle>& seams) {
+  const TriangleMesh& mesh = edits.mesh();
   const Loops holes = boundary_of(triangles_of(mesh, hole.removed)).loops, loops = boundary_of(patch).loops;
   std::vector<int> loop_at;
-  if (Obstacles found = match_loops(mesh, holes, loops, patch, loop_at); !found.empty()) return found;
+  if (Obstacles found = match_loops(edits, holes, loops, patch, loop_at); !found.empty()) return found;
   for (std::size_t h = 0; h < holes.size(); ++h) {
     if (loop_at[h] < 0 && holes[h].size() > kLongestFill) return places_of(mesh, holes[h]);
     const std::vector<Triangle> seam =

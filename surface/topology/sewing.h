@@ -9,7 +9,7 @@ namespace kappaflow {
 
 /// Joins every loop of the patch with one of the hole by a strip of triangles, and fills those that are left.
 /// Pieces of the patch that would share a loop of the hole with a larger one are dropped.
-Obstacles sew(const TriangleMesh& mesh, const Hole& hole, std::vector<Triangle>& patch,
+Obstacles sew(const MeshEdits& edits, const Hole& hole, std::vector<Triangle>& patch,
               std::vector<Triangle>& seams);
 
 /// Where the mesh with patch and seams in the hole would not be sound: a seam off the surface, an edge
