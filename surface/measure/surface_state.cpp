@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/connectivity.h"
 #include "core/parallel.h"
 #include "surface/field/curvature.h"
 #include "surface/mesh/mesh_measures.h"
@@ -59,17 +60,6 @@ double mean_square(std::span<const double> area, const auto& square) {
     return {area[v] * square(v), area[v]};
   });
   return sum[1] > 0 ? sum[0] / sum[1] : 0;
-}
-
-/// The vertices of every connected piece.
-std::vector<std::vector<int>> pieces_of(const VertexRings& rings) {
-  const std::vector<int> component = vertex_components(rings);
-  std::vector<std::vector<int>> pieces;
-  for (int v = 0; v < static_cast<int>(component.size()); ++v) {
-    if (component[v] == static_cast<int>(pieces.size())) pieces.emplace_back();
-    pieces[component[v]].push_back(v);
-  }
-  return pieces;
 }
 
 template <class T>
@@ -134,10 +124,10 @@ std::optional<double> slip(const SurfaceState& state) {
   return std::sqrt(slip_square / speed_square);
 }
 
-std::vector<PieceRotation> rotation_by_piece(const TriangleMesh& mesh, const VertexRings& rings,
-                                             const SurfaceState& state, const Vec3& axis) {
+std::vector<PieceRotation> rotation_by_piece(const TriangleMesh& mesh, const SurfaceState& state,
+                                             const Vec3& axis) {
   std::vector<PieceRotation> rotations;
-  for (const std::vector<int>& piece : pieces_of(rings))
+  for (const std::vector<int>& piece : members_by_piece(vertex_pieces(mesh.vertex_count(), mesh.triangles)))
     rotations.push_back({piece.size(), captured_by(piece, mesh, state, axis)});
   return rotations;
 }

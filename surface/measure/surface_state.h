@@ -38,8 +38,8 @@ struct PieceRotation {
 };
 
 /// One entry a connected piece, in the order of their first vertices; axis: a unit vector.
-std::vector<PieceRotation> rotation_by_piece(const TriangleMesh& mesh, const VertexRings& rings,
-                                             const SurfaceState& state, const Vec3& axis);
+std::vector<PieceRotation> rotation_by_piece(const TriangleMesh& mesh, const SurfaceState& state,
+                                             const Vec3& axis);
 
 /// PieceRotation::captured of the piece with the most vertices (of the first such piece); nullopt without
 /// pieces.

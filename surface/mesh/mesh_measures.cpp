@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <numeric>
 
+#include "core/connectivity.h"
 #include "core/errors.h"
 #include "core/parallel.h"
 
@@ -36,32 +36,16 @@ double aspect_ratio(const Vec3& a, const Vec3& b, const Vec3& c) {
   return std::sqrt(3.0) / 2 * longest2 / (2 * triangle_area(a, b, c));
 }
 
-/// For every vertex the vertices that its outgoing edges lead to, ascending, in compressed rows. An outgoing
-/// edge of v runs from v along the orientation of a triangle.
-VertexRings outgoing_edges(std::size_t vertex_count, std::span<const Triangle> triangles) {
-  VertexRings edges;
-  edges.start.assign(vertex_count + 1, 0);
-  for (const Triangle& triangle : triangles)
-    for (const int v : triangle) ++edges.start[v + 1];
-  std::partial_sum(edges.start.begin(), edges.start.end(), edges.start.begin());
-  edges.neighbour.resize(3 * triangles.size());
-  std::vector<int> end(edges.start.begin(), edges.start.end() - 1);
-  for (const Triangle& triangle : triangles)
-    for (int corner = 0; corner < 3; ++corner)
-      edges.neighbour[end[triangle[corner]]++] = triangle[(corner + 1) % 3];
-  parallel_for(vertex_count, [&](std::size_t v) {
-    std::sort(edges.neighbour.begin() + edges.start[v], edges.neighbour.begin() + edges.start[v + 1]);
-  });
-  return edges;
-}
-
-bool is_closed_at(const VertexRings& outgoing, int v) {
-  const std::span<const int> ends = outgoing.of(v);
-  if (std::adjacent_find(ends.begin(), ends.end()) != ends.end()) return false;
-  return std::all_of(ends.begin(), ends.end(), [&](int end) {
-    const std::span<const int> back = outgoing.of(end);
-    return end != v && std::binary_search(back.begin(), back.end(), v);
-  });
+/// The smallest vertex of an edge whose sides do not fit; -1 without any.
+int first_open_vertex(std::span<const Triangle> triangles) {
+  const std::vector<int> twin = twins_of(triangles);
+  int first = -1;
+  for (int h = 0; h < static_cast<int>(twin.size()); ++h) {
+    if (twin[h] >= 0) continue;
+    const int v = std::min(origin_of(triangles, h), end_of(triangles, h));
+    first = first < 0 ? v : std::min(first, v);
+  }
+  return first;
 }
 
 }  // namespace
@@ -180,46 +164,19 @@ double folded_fraction(std::span<const Vec3> position, std::span<const Vec3> nor
 }
 
 MeshTopology mesh_topology(std::span<const Vec3> position, std::span<const Triangle> triangles) {
-  const VertexRings outgoing = outgoing_edges(position.size(), triangles);
-  int used = 0, roots = 0;
-  for (int v = 0; v < static_cast<int>(position.size()); ++v) {
-    if (!is_closed_at(outgoing, v))
-      throw TopologyError(position[v],
-                          "the mesh is not closed and oriented: an edge here does not have two triangles "
-                          "that run along it in opposite directions");
-    used += !outgoing.of(v).empty();
-  }
-  // In a closed oriented mesh every edge is outgoing once at each of its ends.
-  const std::vector<int> component = vertex_components(outgoing);
-  for (int v = 0, highest = -1; v < static_cast<int>(position.size()); ++v) {
-    if (component[v] <= highest) continue;
-    highest = component[v];
-    roots += !outgoing.of(v).empty();
-  }
-  const int faces = static_cast<int>(triangles.size());
-  const int euler = used - 3 * faces / 2 + faces;
-  return {.components = roots, .genus = roots - euler / 2};
-}
-
-std::vector<int> vertex_components(const VertexRings& rings) {
-  const int vertices = static_cast<int>(rings.start.size()) - 1;
-  std::vector<int> component(vertices, -1), pending;
-  int components = 0;
-  for (int seed = 0; seed < vertices; ++seed) {
-    if (component[seed] >= 0) continue;
-    component[seed] = components++;
-    pending.assign(1, seed);
-    while (!pending.empty()) {
-      const int v = pending.back();
-      pending.pop_back();
-      for (const int neighbour : rings.of(v))
-        if (component[neighbour] < 0) {
-          component[neighbour] = component[v];
-          pending.push_back(neighbour);
-        }
-    }
-  }
-  return component;
+  if (const int open = first_open_vertex(triangles); open >= 0)
+    throw TopologyError(position[open],
+                        "the mesh is not closed and oriented: an edge here does not have two triangles "
+                        "that run along it in opposite directions");
+  std::vector<char> used(position.size(), 0);
+  for (const Triangle& t : triangles)
+    for (const int v : t) used[v] = 1;
+  const int faces = static_cast<int>(triangles.size()), edges = 3 * faces / 2,
+            vertices = static_cast<int>(std::ranges::count(used, 1));
+  const std::vector<int> piece = vertex_pieces(position.size(), triangles);
+  const int pieces = piece.empty() ? 0 : std::ranges::max(piece) + 1,
+            components = pieces - (static_cast<int>(used.size()) - vertices);
+  return {.components = components, .genus = components - (vertices - edges + faces) / 2};
 }
 
 }  // namespace kappaflow

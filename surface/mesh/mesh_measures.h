@@ -73,7 +73,4 @@ struct MeshTopology {
 /// directions.
 MeshTopology mesh_topology(std::span<const Vec3> position, std::span<const Triangle> triangles);
 
-/// The connected piece of each vertex, numbered from 0 by first vertex.
-std::vector<int> vertex_components(const VertexRings& rings);
-
 }  // namespace kappaflow

@@ -57,8 +57,7 @@ SurfaceMetrics FrameWriter::write_surface(const FrameMetrics& frame, const Trian
     folder_.write_mesh(frame.frame, method, format,
                        mesh_text(format, {mesh.position, state.normal, texture, checker, mesh.triangles}));
 
-  SurfaceMetrics metrics =
-      surface_metrics(field, isosurface, mesh, tracker.rings(), state, output_.report_axis);
+  SurfaceMetrics metrics = surface_metrics(field, isosurface, mesh, state, output_.report_axis);
   metrics.residual_max = std::max(metrics.residual_max, since_frame.residual_max[m]);
   metrics.regions_replaced = since_frame.topology[m].replaced;
   metrics.regions_refused = since_frame.topology[m].refused;

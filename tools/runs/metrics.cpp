@@ -140,7 +140,7 @@ double surface_residual(const Field& field, const TriangleMesh& mesh) {
 }
 
 SurfaceMetrics surface_metrics(const Field& field, const TriangleMesh& isosurface, const TriangleMesh& mesh,
-                               const VertexRings& rings, const SurfaceState& state, const Vec3& report_axis) {
+                               const SurfaceState& state, const Vec3& report_axis) {
   SurfaceMetrics metrics;
   metrics.vertices = mesh.vertex_count();
   metrics.triangles = mesh.triangles.size();
@@ -148,7 +148,7 @@ SurfaceMetrics surface_metrics(const Field& field, const TriangleMesh& isosurfac
   metrics.quality = triangle_qualities(mesh.position, mesh.triangles);
   metrics.size = area_and_volume(mesh.position, mesh.triangles);
   metrics.slip = slip(state);
-  metrics.pieces = rotation_by_piece(mesh, rings, state, report_axis);
+  metrics.pieces = rotation_by_piece(mesh, state, report_axis);
   metrics.rotation_captured = largest_piece_rotation(metrics.pieces);
   metrics.topology = mesh_topology(mesh.position, mesh.triangles);
   metrics.unprojected = static_cast<std::size_t>(std::ranges::count(mesh.unprojected, char{1}));

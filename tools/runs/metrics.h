@@ -88,7 +88,7 @@ double surface_residual(const Field& field, const TriangleMesh& mesh);
 /// Everything that mesh and state say; tracer_distance, kept_fraction, kept_since_frame, vertices_replaced
 /// and regions_* are the caller's. isosurface: what measure_isosurface() returns.
 SurfaceMetrics surface_metrics(const Field& field, const TriangleMesh& isosurface, const TriangleMesh& mesh,
-                               const VertexRings& rings, const SurfaceState& state, const Vec3& report_axis);
+                               const SurfaceState& state, const Vec3& report_axis);
 
 /// One line each, with the line's end; numbers to 12 digits, empty where there is no value.
 std::string metrics_header();

@@ -73,13 +73,6 @@ TEST(VertexRings, ListEveryNeighbourOnceAscending) {
     EXPECT_TRUE(std::ranges::equal(rings.of(v), oracle[v])) << v;
 }
 
-TEST(VertexRings, VertexWithoutTrianglesHasNone) {
-  const std::vector<Triangle> triangle{{0, 1, 3}};
-  const VertexRings rings = vertex_rings(4, triangle);
-  EXPECT_TRUE(rings.of(2).empty());
-  EXPECT_EQ(rings.of(3).size(), 2u);
-}
-
 TEST(Measures, Tetrahedron) {
   const TriangleMesh mesh = tetrahedra(1);
   const AreaAndVolume measured = area_and_volume(mesh.position, mesh.triangles);
@@ -158,7 +151,7 @@ TEST(Topology, SphereTorusAndTwoSpheres) {
 
 TEST(Topology, ComponentsAreNumberedByFirstVertex) {
   const TriangleMesh mesh = tetrahedra(3);
-  const std::vector<int> component = vertex_components(vertex_rings(mesh.vertex_count(), mesh.triangles));
+  const std::vector<int> component = vertex_pieces(mesh.vertex_count(), mesh.triangles);
   EXPECT_EQ(component, (std::vector<int>{0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2}));
 }
 

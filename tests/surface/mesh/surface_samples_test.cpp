@@ -111,7 +111,7 @@ TEST(SampleWalk, DoesNotCrossToAnotherPiece) {
   const ParticleField two(testing::rotating_particles({Vec3(0, 0, 0), Vec3(1.4, 0, 0)}, 1, 0), 0.3, 0);
   const TriangleMesh mesh = extract_isosurface(two, 0.1);
   const VertexRings rings = vertex_rings(mesh.vertex_count(), mesh.triangles);
-  const std::vector<int> piece = vertex_components(rings);
+  const std::vector<int> piece = vertex_pieces(mesh.vertex_count(), mesh.triangles);
   ASSERT_EQ(*std::ranges::max_element(piece), 1);
   const SurfaceSamples samples =
       surface_samples(mesh.position, rings, std::vector<double>(mesh.vertex_count(), 0.2));

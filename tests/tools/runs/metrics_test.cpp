@@ -31,7 +31,7 @@ TEST(Metrics, SphereOfOneParticle) {
   const SurfaceState state = surface_state(*field, mesh, rings, velocity_method("normal"), {});
   FrameMetrics frame;
   const TriangleMesh isosurface = measure_isosurface(*field, 1, frame);
-  const SurfaceMetrics metrics = surface_metrics(*field, isosurface, mesh, rings, state, Vec3(0, 0, 1));
+  const SurfaceMetrics metrics = surface_metrics(*field, isosurface, mesh, state, Vec3(0, 0, 1));
   EXPECT_EQ(metrics.vertices, mesh.vertex_count());
   EXPECT_EQ(metrics.triangles, mesh.triangles.size());
   EXPECT_EQ(metrics.topology.components, 1);
