@@ -5,12 +5,10 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <array>
 #include <cmath>
-#include <tuple>
-#include <utility>
 
+#include "core/connectivity.h"
 #include "core/errors.h"
 
 namespace kappaflow {
@@ -21,27 +19,6 @@ using enum NearestOnTriangle::Feature;
 double angle_at(const Vec3& corner, const Vec3& p, const Vec3& q) {
   const Vec3 u = p - corner, v = q - corner;
   return std::atan2(u.cross(v).norm(), u.dot(v));
-}
-
-/// One entry per triangle side, sorted so that the two sides of an edge follow each other.
-struct Side {
-  std::pair<int, int> edge;  // smaller vertex first
-  std::size_t triangle;
-  int k;
-};
-
-std::vector<Side> sorted_sides(const TriangleSurface& surface) {
-  std::vector<Side> sides;
-  sides.reserve(3 * surface.triangles.size());
-  for (std::size_t t = 0; t < surface.triangles.size(); ++t)
-    for (int k = 0; k < 3; ++k) {
-      const int a = surface.triangles[t][k], b = surface.triangles[t][(k + 1) % 3];
-      sides.push_back({std::minmax({a, b}), t, k});
-    }
-  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
-    return std::tie(a.edge, a.triangle, a.k) < std::tie(b.edge, b.triangle, b.k);
-  });
-  return sides;
 }
 
 /// Of each triangle: the pseudonormals of its face, edges (sum of both sides' normals) and corners (sum over
@@ -59,12 +36,11 @@ std::vector<std::array<Vec3, 7>> pseudonormals(const TriangleSurface& surface) {
   for (std::size_t t = 0; t < normals.size(); ++t)
     for (int k = 0; k < 3; ++k) normals[t][corner_0 + k] = vertex_normal[surface.triangles[t][k]];
 
-  const std::vector<Side> sides = sorted_sides(surface);
-  for (std::size_t first = 0, last = 0; first < sides.size(); first = last) {
+  const EdgeSides sides(surface.triangles);
+  for (std::size_t e = 0; e < sides.edges(); ++e) {
     Vec3 sum = Vec3::Zero();
-    for (; last < sides.size() && sides[last].edge == sides[first].edge; ++last)
-      sum += normals[sides[last].triangle][face];
-    for (std::size_t s = first; s < last; ++s) normals[sides[s].triangle][edge_0 + sides[s].k] = sum;
+    for (const int h : sides.of(e)) sum += normals[h / 3][face];
+    for (const int h : sides.of(e)) normals[h / 3][edge_0 + h % 3] = sum;
   }
   return normals;
 }

@@ -7,8 +7,9 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <numeric>
+#include <utility>
 
+#include "core/connectivity.h"
 #include "core/errors.h"
 #include "core/parallel.h"
 #include "core/triangle_crossing.h"
@@ -17,7 +18,7 @@
 namespace kappaflow {
 namespace {
 
-/// Triangles that are connected.
+/// Triangles that are connected by edges: a mere vertex may belong to several pieces.
 struct Piece {
   std::vector<int> triangles;  ///< their numbers, ascending
   Vec3 lower, upper;           ///< its box [m]
@@ -40,32 +41,6 @@ Vec3 upper_of(const TriangleTree::Corners& corner) {
   return corner[0].cwiseMax(corner[1]).cwiseMax(corner[2]);
 }
 
-/// Of each triangle the first one that it is connected to by edges: a mere vertex may belong to several
-/// pieces.
-std::vector<int> connected_triangles(const TriangleSurface& surface) {
-  const int n = static_cast<int>(surface.triangles.size());
-  std::vector<int> first(n);
-  std::iota(first.begin(), first.end(), 0);
-  const auto root = [&](int t) {
-    while (first[t] != t) t = first[t] = first[first[t]];
-    return t;
-  };
-  std::vector<std::array<int, 3>> sides;  // both vertices, the smaller one first, and the triangle
-  for (int t = 0; t < n; ++t)
-    for (int k = 0; k < 3; ++k) {
-      const auto [u, v] = std::minmax(surface.triangles[t][k], surface.triangles[t][(k + 1) % 3]);
-      sides.push_back({u, v, t});
-    }
-  std::ranges::sort(sides);
-  for (std::size_t s = 1; s < sides.size(); ++s) {
-    if (sides[s][0] != sides[s - 1][0] || sides[s][1] != sides[s - 1][1]) continue;
-    const auto [p, q] = std::minmax({root(sides[s][2]), root(sides[s - 1][2])});
-    first[q] = p;
-  }
-  for (int t = 0; t < n; ++t) first[t] = root(t);
-  return first;
-}
-
 void measure(const TriangleSurface& surface, Piece& piece) {
   const Vec3 apex = corners_of(surface, piece.triangles[0])[0];
   piece.lower = piece.upper = apex;
@@ -79,19 +54,12 @@ void measure(const TriangleSurface& surface, Piece& piece) {
 
 /// In the order of their first triangles.
 std::vector<Piece> pieces_of(const TriangleSurface& surface) {
-  const std::vector<int> connected = connected_triangles(surface);
-  std::vector<int> piece_of(connected.size());
   std::vector<Piece> pieces;
-  for (int t = 0; t < static_cast<int>(connected.size()); ++t) {
-    if (connected[t] == t) {
-      piece_of[t] = static_cast<int>(pieces.size());
-      pieces.emplace_back();
-    } else {
-      piece_of[t] = piece_of[connected[t]];
-    }
-    pieces[piece_of[t]].triangles.push_back(t);
+  for (std::vector<int>& triangles : members_by_piece(triangle_pieces(surface.triangles))) {
+    Piece& piece = pieces.emplace_back();
+    piece.triangles = std::move(triangles);
+    measure(surface, piece);
   }
-  for (Piece& piece : pieces) measure(surface, piece);
   return pieces;
 }
 

@@ -1,17 +1,15 @@
 #include "surface/measure/texture_jumps.h"
 
 #include <Eigen/Geometry>
-#include <algorithm>
 
+#include "core/connectivity.h"
 #include "core/parallel.h"
 
 namespace kappaflow {
 namespace {
 
-/// A half-edge, sorted by the ends of its edge; side: the derivative of rest_position into its triangle,
-/// orthogonal to the edge.
+/// The derivative of rest_position into a half-edge's triangle, orthogonal to the edge.
 struct Side {
-  int low, high;
   Vec3 derivative;
   bool known;
 };
@@ -22,8 +20,7 @@ Side side_of(const TriangleMesh& mesh, int u, int v, int apex) {
              rest_to_apex = mesh.rest_position[apex] - mesh.rest_position[u];
   const double share = to_apex.dot(edge) / edge.squaredNorm(), height = (to_apex - share * edge).norm();
   const bool known = height > 0 && edge.squaredNorm() > 0;
-  return {std::min(u, v), std::max(u, v),
-          known ? Vec3((rest_to_apex - share * rest_edge) / height) : Vec3::Zero(), known};
+  return {known ? Vec3((rest_to_apex - share * rest_edge) / height) : Vec3::Zero(), known};
 }
 
 }  // namespace
@@ -35,11 +32,12 @@ TextureJumps texture_jumps(const TriangleMesh& mesh) {
     const std::size_t corner = h % 3;
     sides[h] = side_of(mesh, t[corner], t[(corner + 1) % 3], t[(corner + 2) % 3]);
   });
-  std::ranges::stable_sort(
-      sides, [](const Side& a, const Side& b) { return a.low != b.low ? a.low < b.low : a.high < b.high; });
-  // In a closed mesh the two sides of an edge now follow each other; their derivatives point apart.
-  const Vec3 sum = parallel_sum(sides.size() / 2, Vec3(Vec3::Zero()), [&](std::size_t e) -> Vec3 {
-    const Side &a = sides[2 * e], &b = sides[2 * e + 1];
+  // The derivatives of the two sides of an edge point apart.
+  const EdgeSides edges(mesh.triangles);
+  const Vec3 sum = parallel_sum(edges.edges(), Vec3(Vec3::Zero()), [&](std::size_t e) -> Vec3 {
+    const std::span<const int> along = edges.of(e);
+    if (along.size() != 2) return Vec3::Zero();
+    const Side &a = sides[along[0]], &b = sides[along[1]];
     const double size = 0.5 * (a.derivative.norm() + b.derivative.norm());
     if (!a.known || !b.known || !(size > 0)) return Vec3::Zero();
     const double jump = (a.derivative + b.derivative).norm() / size;
