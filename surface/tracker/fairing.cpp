@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/connectivity.h"
 #include "core/parallel.h"
 
 namespace kappaflow {
@@ -100,19 +101,9 @@ void third_corners(const VertexRings& rings, std::span<const Triangle> triangles
   // Of an oriented manifold no two triangles run along an edge in the same direction: each entry is set once.
   parallel_for(triangles.size(), [&](std::size_t i) {
     const Triangle& t = triangles[i];
-    for (int corner = 0; corner < 3; ++corner) {
-      const std::span<const int> ring = rings.of(t[corner]);
-      const auto place = std::ranges::lower_bound(ring, t[(corner + 1) % 3]) - ring.begin();
-      third[rings.start[t[corner]] + place] = t[(corner + 2) % 3];
-    }
+    for (int corner = 0; corner < 3; ++corner)
+      third[rings.place_of(t[corner], t[(corner + 1) % 3])] = t[(corner + 2) % 3];
   });
-}
-
-/// The place of edge (u, v) in VertexRings::neighbour; -1 where there is none.
-int place_of(const VertexRings& rings, int u, int v) {
-  const std::span<const int> ring = rings.of(u);
-  const auto found = std::ranges::lower_bound(ring, v);
-  return found != ring.end() && *found == v ? rings.start[u] + static_cast<int>(found - ring.begin()) : -1;
 }
 
 }  // namespace
@@ -133,7 +124,7 @@ void renew_fairing_state(const TriangleMesh& mesh, const VertexHistory& history,
     const int v = static_cast<int>(i), old_v = history.before(v);
     for (int k = rings.start[v]; k < rings.start[v + 1]; ++k) {
       const int w = rings.neighbour[k], old_w = history.before(w);
-      const int place = old_v >= 0 && old_w >= 0 ? place_of(before, old_v, old_w) : -1;
+      const int place = old_v >= 0 && old_w >= 0 ? before.place_of(old_v, old_w) : -1;
       state.renewed[k] = place >= 0 ? state.rest_length[place] : (mesh.position[w] - mesh.position[v]).norm();
     }
   });
