@@ -40,16 +40,13 @@ int matching_hole(const TriangleMesh& mesh, std::span<const int> loop, const Loo
   return most == votes.end() || *most == 0 ? -1 : static_cast<int>(most - votes.begin());
 }
 
-/// Takes a piece of the patch with no other loop than this one away. first: the patch's lowest vertex.
-bool drop_island(const Loops& loops, std::size_t loop, int first, std::vector<Triangle>& patch) {
-  int last = first;
-  std::vector<Triangle> own = patch;  // by the patch's own numbers
+/// Takes a piece of the patch with no other loop than this one away.
+bool drop_island(const MeshEdits& edits, const Loops& loops, std::size_t loop, std::vector<Triangle>& patch) {
+  const int first = static_cast<int>(edits.first_tried());
+  std::vector<Triangle> own = patch;  // by the numbers of the vertices on trial
   for (Triangle& t : own)
-    for (int& v : t) {
-      last = std::max(last, v);
-      v -= first;
-    }
-  const std::vector<int> piece = vertex_pieces(last - first + 1, own);
+    for (int& v : t) v -= first;
+  const std::vector<int> piece = vertex_pieces(edits.mesh().vertex_count() - first, own);
   const auto piece_of = [&](int v) { return piece[v - first]; };
   const int island = piece_of(loops[loop][0]);
   if (std::ranges::count_if(loops, [&](const auto& l) { return piece_of(l[0]) == island; }) > 1) return false;
@@ -61,7 +58,6 @@ bool drop_island(const Loops& loops, std::size_t loop, int first, std::vector<Tr
 Obstacles match_loops(const MeshEdits& edits, const Loops& holes, const Loops& loops,
                       std::vector<Triangle>& patch, std::vector<int>& loop_at) {
   const TriangleMesh& mesh = edits.mesh();
-  const int first = static_cast<int>(edits.first_tried());
   loop_at.assign(holes.size(), -1);
   for (std::size_t l = 0; l < loops.size(); ++l) {
     const int hole = matching_hole(mesh, loops[l], holes);
@@ -72,7 +68,7 @@ Obstacles match_loops(const MeshEdits& edits, const Loops& holes, const Loops& l
       continue;
     }
     const bool larger = loops[l].size() > loops[taken].size();
-    if (!drop_island(loops, larger ? taken : l, first, patch)) return places_of(mesh, holes[hole]);
+    if (!drop_island(edits, loops, larger ? taken : l, patch)) return places_of(mesh, holes[hole]);
     if (larger) taken = static_cast<int>(l);
   }
   return {};
