@@ -1,7 +1,7 @@
 // Ericson, "Real-Time Collision Detection", 2005, section 5.1.5.
 #include "core/nearest_on_triangle.h"
 
-#include <Eigen/Geometry>
+#include "core/triangle_geometry.h"
 
 namespace kappaflow {
 
@@ -27,10 +27,11 @@ NearestOnTriangle nearest_on_triangle(const std::array<Vec3, 3>& triangle, const
 
 Vec3 corner_weights(const std::array<Vec3, 3>& triangle, const Vec3& x) {
   const auto& [a, b, c] = triangle;
-  const Vec3 area = (b - a).cross(c - a);
+  const Vec3 area = twice_area_vector(a, b, c);
   const double square = area.squaredNorm();
   if (!(square > 0)) return Vec3::Constant(1.0 / 3);
-  const double wb = (x - a).cross(c - a).dot(area) / square, wc = (b - a).cross(x - a).dot(area) / square;
+  const double wb = twice_area_vector(a, x, c).dot(area) / square,
+               wc = twice_area_vector(a, b, x).dot(area) / square;
   return {1 - wb - wc, wb, wc};
 }
 

@@ -4,22 +4,17 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <array>
 #include <cmath>
 
 #include "core/connectivity.h"
 #include "core/errors.h"
+#include "core/triangle_geometry.h"
 
 namespace kappaflow {
 namespace {
 
 using enum NearestOnTriangle::Feature;
-
-double angle_at(const Vec3& corner, const Vec3& p, const Vec3& q) {
-  const Vec3 u = p - corner, v = q - corner;
-  return std::atan2(u.cross(v).norm(), u.dot(v));
-}
 
 /// Of each triangle: the pseudonormals of its face, edges (sum of both sides' normals) and corners (sum over
 /// the triangles around, weighted with their angles there), by NearestOnTriangle::Feature.
@@ -29,7 +24,7 @@ std::vector<std::array<Vec3, 7>> pseudonormals(const TriangleSurface& surface) {
   for (std::size_t t = 0; t < normals.size(); ++t) {
     const Triangle& triangle = surface.triangles[t];
     const auto corner = [&](int k) -> const Vec3& { return surface.vertices[triangle[k % 3]]; };
-    normals[t][face] = (corner(1) - corner(0)).cross(corner(2) - corner(0)).normalized();
+    normals[t][face] = twice_area_vector(corner(0), corner(1), corner(2)).normalized();
     for (int k = 0; k < 3; ++k)
       vertex_normal[triangle[k]] += angle_at(corner(k), corner(k + 1), corner(k + 2)) * normals[t][face];
   }

@@ -6,7 +6,6 @@
 #include <vtkPoints.h>
 #include <vtkPolygon.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -14,6 +13,7 @@
 
 #include "core/read_file.h"
 #include "core/solids.h"
+#include "core/triangle_geometry.h"
 #include "scenes/mesh_parsers.h"
 #include "scenes/scene.h"
 #include "surface/mesh/mesh_measures.h"
@@ -105,8 +105,7 @@ TriangleSurface triangle_surface(PolygonMesh mesh) {
 void check_areas(const TriangleSurface& surface) {
   for (const auto& [i, j, k] : surface.triangles) {
     const Vec3 &a = surface.vertices[i], &b = surface.vertices[j], &c = surface.vertices[k];
-    const double longest = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
-    if (!((b - a).cross(c - a).norm() > kDegenerate * longest))
+    if (!(twice_area_vector(a, b, c).norm() > kDegenerate * longest_edge_squared(a, b, c)))
       throw InvalidInput(
           fmt::format("has a triangle without area at ({:.6g}, {:.6g}, {:.6g})", a.x(), a.y(), a.z()));
   }

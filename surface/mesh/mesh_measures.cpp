@@ -9,22 +9,17 @@
 #include "core/connectivity.h"
 #include "core/errors.h"
 #include "core/parallel.h"
+#include "core/triangle_geometry.h"
 
 namespace kappaflow {
 namespace {
-
-double triangle_area(const Vec3& a, const Vec3& b, const Vec3& c) {
-  return 0.5 * (b - a).cross(c - a).norm();
-}
 
 /// Smallest and largest angle [degrees].
 std::array<double, 2> angle_range(std::span<const Vec3> position, const Triangle& triangle) {
   std::array<double, 2> range{std::numbers::pi, 0};
   for (int corner = 0; corner < 3; ++corner) {
-    const Vec3& apex = position[triangle[corner]];
-    const Vec3 a = position[triangle[(corner + 1) % 3]] - apex,
-               b = position[triangle[(corner + 2) % 3]] - apex;
-    const double angle = std::atan2(a.cross(b).norm(), a.dot(b));
+    const double angle = angle_at(position[triangle[corner]], position[triangle[(corner + 1) % 3]],
+                                  position[triangle[(corner + 2) % 3]]);
     range = {std::min(range[0], angle), std::max(range[1], angle)};
   }
   return {180 / std::numbers::pi * range[0], 180 / std::numbers::pi * range[1]};
@@ -32,8 +27,7 @@ std::array<double, 2> angle_range(std::span<const Vec3> position, const Triangle
 
 /// Longest edge over shortest altitude in units of the equilateral triangle's, whose is 2/sqrt(3).
 double aspect_ratio(const Vec3& a, const Vec3& b, const Vec3& c) {
-  const double longest2 = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
-  return std::sqrt(3.0) / 2 * longest2 / (2 * triangle_area(a, b, c));
+  return std::sqrt(3.0) / 2 * longest_edge_squared(a, b, c) / (2 * triangle_area(a, b, c));
 }
 
 /// The smallest vertex of an edge whose sides do not fit; -1 without any.
@@ -83,7 +77,7 @@ double triangle_quality(const Vec3& a, const Vec3& b, const Vec3& c) {
   const double la = (c - b).norm(), lb = (a - c).norm(), lc = (b - a).norm();
   const double product = la * lb * lc;
   if (!(product > 0)) return 0;
-  return 4 * (b - a).cross(c - a).squaredNorm() / (product * (la + lb + lc));
+  return 4 * twice_area_vector(a, b, c).squaredNorm() / (product * (la + lb + lc));
 }
 
 QualityRange triangle_qualities(std::span<const Vec3> position, std::span<const Triangle> triangles) {
@@ -140,14 +134,11 @@ TriangleDistortion triangle_distortion(std::span<const Vec3> position, std::span
 
 bool is_delaunay(const Vec3& u, const Vec3& v, const Vec3& a, const Vec3& b) {
   constexpr double kMargin = 1e-9;  // of the sum of cotangents
-  const auto cotangent = [&](const Vec3& apex) {
-    return (u - apex).dot(v - apex) / (u - apex).cross(v - apex).norm();
-  };
-  return !(cotangent(a) + cotangent(b) < -kMargin);
+  return !(cotangent_at(a, u, v) + cotangent_at(b, u, v) < -kMargin);
 }
 
 double facing(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& normal_sum) {
-  const Vec3 area = (b - a).cross(c - a);
+  const Vec3 area = twice_area_vector(a, b, c);
   const double size = area.norm() * normal_sum.norm();
   return size > 0 ? area.dot(normal_sum) / size : -1;
 }
@@ -157,7 +148,7 @@ double folded_fraction(std::span<const Vec3> position, std::span<const Vec3> nor
   if (triangles.empty()) return 0;
   const double folded = parallel_sum(triangles.size(), 0.0, [&](std::size_t i) {
     const auto& [a, b, c] = triangles[i];
-    const Vec3 outward = (position[b] - position[a]).cross(position[c] - position[a]);
+    const Vec3 outward = twice_area_vector(position[a], position[b], position[c]);
     return outward.dot(normal[a] + normal[b] + normal[c]) < 0 ? 1.0 : 0.0;
   });
   return folded / static_cast<double>(triangles.size());

@@ -7,6 +7,7 @@
 
 #include "core/nearest_on_triangle.h"
 #include "core/parallel.h"
+#include "core/triangle_geometry.h"
 #include "core/whole_within.h"
 #include "surface/field/projection.h"
 #include "surface/mesh/mesh_measures.h"
@@ -35,10 +36,9 @@ bool is_plainly_on_surface(std::span<const Vec3> position, std::span<const Vec3>
                            const Triangle& triangle, double limit) {
   const auto& [a, b, c] = triangle;
   const Vec3 &x = position[a], &y = position[b], &z = position[c];
-  const double longest = std::max({(x - y).squaredNorm(), (y - z).squaredNorm(), (z - x).squaredNorm()});
   const Vec3 normals = sum_of_normals(gradient, triangle);
-  return longest < kOverlongEdge * kOverlongEdge * limit * limit && normals.norm() > kParallel &&
-         facing(x, y, z, normals) > kFacing;
+  return longest_edge_squared(x, y, z) < kOverlongEdge * kOverlongEdge * limit * limit &&
+         normals.norm() > kParallel && facing(x, y, z, normals) > kFacing;
 }
 
 /// Central differences of the samples at a point, one-sided at the lattice's rim [1/m].

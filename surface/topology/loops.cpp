@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/triangle_geometry.h"
 #include "surface/mesh/mesh_measures.h"
 
 namespace kappaflow {
@@ -15,8 +16,7 @@ struct Cost {
   double operator()(int a, int b, int c) const {
     const Vec3 &x = position[a], &y = position[b], &z = position[c];
     const Vec3 normals = -gradient[a].normalized() - gradient[b].normalized() - gradient[c].normalized();
-    const double longest = std::max({(x - y).squaredNorm(), (y - z).squaredNorm(), (z - x).squaredNorm()});
-    return longest * (1 + kFacingWeight * (1 - facing(x, y, z, normals)));
+    return longest_edge_squared(x, y, z) * (1 + kFacingWeight * (1 - facing(x, y, z, normals)));
   }
 };
 
