@@ -11,8 +11,9 @@ namespace kappaflow {
 
 /// The winding number of a closed oriented mesh at every point of the lattice (whose values are not read),
 /// indexed as SampledField::value: 1 inside, 0 outside, others where the mesh passes through itself.
-/// Crossings are counted along rows in x that lie 0.0014 and 0.0029 spacings beside the points in y and z, so
-/// that they miss vertices which lie on the lattice's edges. Winding numbers beyond +-127 are not told apart.
+/// Crossings are counted along rows in x that lie 1.37e-7 and 2.91e-7 spacings beyond the points in y and z,
+/// so that they miss vertices which lie on the lattice's edges. They are counted modulo 256: beyond -128 ...
+/// 127 winding numbers wrap around.
 std::vector<std::int8_t> winding_numbers(std::span<const Vec3> position, std::span<const Triangle> triangles,
                                          const SampledField& lattice);
 
