@@ -1,5 +1,6 @@
 #include "core/nearest_points.h"
 
+#include <array>
 #include <cmath>
 
 #include "core/parallel.h"
@@ -10,7 +11,8 @@ namespace {
 
 constexpr double kRounding = 1 + 1e-12;  // of the tree's distances
 
-/// As nanoflann wants what it finds. Its own takes, of several nearest points, the one that it meets first.
+/// As nanoflann wants what it finds. Its own takes the one that it meets first where several points are
+/// nearest.
 struct Nearest {
   using DistanceType = double;
   using IndexType = std::uint32_t;
@@ -39,6 +41,19 @@ std::vector<std::uint32_t> nearest_points(std::span<const Vec3> points, std::spa
     number[i] = nearest.number;
   });
   return number;
+}
+
+std::vector<double> nearest_neighbour_squares(std::span<const Vec3> points) {
+  const PointCloud cloud{points};
+  const PointTree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(10));
+  std::vector<double> square(points.size());
+  parallel_for(points.size(), [&](std::size_t i) {
+    std::array<std::uint32_t, 2> number;  // of the point itself and of its nearest neighbour
+    std::array<double, 2> found;
+    tree.knnSearch(points[i].data(), 2, number.data(), found.data());
+    square[i] = found[1];
+  });
+  return square;
 }
 
 }  // namespace kappaflow

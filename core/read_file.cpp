@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdio>
@@ -13,7 +14,7 @@
 namespace kappaflow {
 
 // A C stream, because it tells a failure from the end of the file, and leaves the reason in errno.
-std::string read_file(const std::filesystem::path& path) {
+std::string read_file(const std::filesystem::path& path, std::size_t most_bytes) {
   struct Close {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
@@ -22,8 +23,10 @@ std::string read_file(const std::filesystem::path& path) {
   std::string bytes;
   if (file) {
     std::array<char, 1 << 16> part;
-    while (const std::size_t size = std::fread(part.data(), 1, part.size(), file.get()))
-      bytes.append(part.data(), size);
+    const auto read_part = [&] {
+      return std::fread(part.data(), 1, std::min(part.size(), most_bytes - bytes.size()), file.get());
+    };
+    while (const std::size_t size = read_part()) bytes.append(part.data(), size);
     if (std::ferror(file.get()) == 0) return bytes;
   }
   throw IoError(path.string(), fmt::format("cannot be read ({})", std::strerror(errno != 0 ? errno : EIO)));

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 
 #include "core/errors.h"
+#include "core/parse_number.h"
 
 namespace kappaflow {
 namespace {
@@ -56,12 +56,9 @@ std::string_view TextScanner::next_word() {
 
 double TextScanner::next_number() {
   const std::string_view word = next_word();
-  const std::string_view digits = word.starts_with('+') ? word.substr(1) : word;
-  double value = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  if (error != std::errc() || end != digits.data() + digits.size())
-    fail(fmt::format("found \"{}\" where a number is needed", one_line(word, 30)));
-  return value;
+  const auto number = parse_number<double>(without_plus(word));
+  if (!number) fail(fmt::format("found \"{}\" where a number is needed", one_line(word, 30)));
+  return *number;
 }
 
 Vec3 TextScanner::next_vector() {

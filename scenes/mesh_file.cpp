@@ -7,13 +7,13 @@
 #include <vtkPolygon.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <numeric>
 
 #include "core/read_file.h"
 #include "core/solids.h"
 #include "core/triangle_geometry.h"
+#include "core/text_scanner.h"
 #include "scenes/mesh_parsers.h"
 #include "scenes/scene.h"
 #include "surface/mesh/mesh_measures.h"
@@ -25,9 +25,7 @@ namespace {
 constexpr double kDegenerate = 1e-9;
 
 PolygonMesh parse(const std::filesystem::path& file) {
-  std::string ending = file.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string ending = lower_case(file.extension().string());
   const auto parser = ending == ".stl"   ? parse_stl
                       : ending == ".obj" ? parse_obj
                       : ending == ".ply" ? parse_ply

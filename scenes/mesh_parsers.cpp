@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cstring>
 #include <limits>
 
 #include "core/errors.h"
+#include "core/parse_number.h"
 #include "core/text_scanner.h"
 
 namespace kappaflow {
@@ -67,14 +67,12 @@ PolygonMesh parse_ascii_stl(std::string_view text) {
   return mesh;
 }
 
-/// The point that the word of a face line names: "7", "7/1", "7/1/3", "7//3", or counted back from the last:
-/// "-1".
+/// The number from 0 of the point that the word of a face line names: "7", "7/1", "7/1/3", "7//3", or counted
+/// back from the last: "-1".
 int obj_index(TextScanner& scanner, std::string_view word, std::size_t points) {
-  long index = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), index);
-  const bool whole = error == std::errc() && (end == word.data() + word.size() || *end == '/');
+  const long index = parse_number<long>(word.substr(0, word.find('/'))).value_or(0);
   const long count = checked_count(points);
-  if (!whole || index == 0 || index > count || index < -count)
+  if (index == 0 || index > count || index < -count)
     scanner.fail(fmt::format("a face names point \"{}\"; there are {} before it", one_line(word, 30), count));
   return static_cast<int>(index > 0 ? index - 1 : count + index);
 }

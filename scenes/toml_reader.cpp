@@ -4,8 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <fstream>
 
+#include "core/read_file.h"
 #include "core/suggestion.h"
 #include "core/text_scanner.h"
 
@@ -71,13 +71,12 @@ std::string read_small_text_file(const std::filesystem::path& file) {
     throw InvalidInput(where, "no such file; allowed: a scene file (.toml)");
   if (std::filesystem::is_directory(file, ignored))
     throw InvalidInput(where, "found a directory; allowed: a scene file (.toml)");
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw InvalidInput(where, "the file cannot be opened; allowed: a readable scene file (.toml)");
-  std::string text(kMaxFileBytes + 1, '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (stream.bad())
+  std::string text;
+  try {
+    text = read_file(file, kMaxFileBytes + 1);
+  } catch (const IoError&) {
     throw InvalidInput(where, "the file cannot be read; allowed: a readable scene file (.toml)");
-  text.resize(static_cast<std::size_t>(stream.gcount()));
+  }
   if (text.size() > kMaxFileBytes)
     throw InvalidInput(
         where, fmt::format("the file is larger than {} bytes; allowed: a scene file (.toml)", kMaxFileBytes));

@@ -13,6 +13,7 @@
 #include "core/errors.h"
 #include "core/parallel.h"
 #include "core/solids.h"
+#include "core/split_mix.h"
 
 namespace kappaflow {
 namespace {
@@ -20,14 +21,6 @@ namespace {
 constexpr double kMinDistance = 0.6;        // between samples, in spacings
 constexpr double kCandidateDistance = 0.2;  // between candidates, in spacings
 constexpr std::size_t kBlock = 1 << 18;     // of candidates whose distances are known at a time
-
-/// A fixed pseudo-random permutation of the 64-bit integers (splitmix64).
-std::uint64_t scramble(std::uint64_t x) {
-  x += 0x9e3779b97f4a7c15;
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111eb;
-  return x ^ (x >> 31);
-}
 
 /// Where samples may lie; some 25 for every sample that there will be, so they are kept small.
 struct Candidates {
@@ -142,7 +135,7 @@ void keep_at_depth(Candidates& candidates, std::span<const SolidDistance> solids
 std::vector<std::uint32_t> shuffled(std::size_t n) {
   std::vector<std::uint32_t> numbers(n);
   std::iota(numbers.begin(), numbers.end(), 0u);
-  std::ranges::sort(numbers, {}, [](std::uint32_t i) { return scramble(i); });
+  std::ranges::sort(numbers, {}, [](std::uint32_t i) { return split_mix(i); });
   return numbers;
 }
 

@@ -3,7 +3,7 @@
 #include <numbers>
 
 #include "core/errors.h"
-#include "core/point_tree.h"
+#include "core/nearest_points.h"
 #include "core/quantile.h"
 #include "surface/field/particle_field.h"
 
@@ -27,18 +27,8 @@ std::vector<double> kernel_sums(std::span<const Vec3> position, std::span<const 
 }
 
 double median_nearest_distance(std::span<const Vec3> position) {
-  const PointCloud cloud{position};
-  const PointTree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(10));
-  std::vector<double> distance2(position.size());
-  parallel_for(position.size(), [&](std::size_t i) {
-    std::array<std::uint32_t, 2> index;  // of the particle itself and its nearest neighbour
-    std::array<double, 2> found;
-    tree.knnSearch(position[i].data(), 2, index.data(), found.data());
-    distance2[i] = found[1];
-  });
-  const auto middle = distance2.begin() + static_cast<std::ptrdiff_t>(distance2.size() / 2);
-  std::nth_element(distance2.begin(), middle, distance2.end());
-  return std::sqrt(*middle);
+  std::vector<double> squares = nearest_neighbour_squares(position);
+  return std::sqrt(upper_median(squares));
 }
 
 }  // namespace
@@ -54,9 +44,8 @@ std::vector<double> field_weights(std::span<const Vec3> position, double sigma, 
 double half_median_threshold(std::span<const Vec3> position, std::span<const double> weight, double sigma) {
   if (position.empty()) throw InvalidInput("a threshold from the particles needs at least one particle");
   std::vector<double> sum = kernel_sums(position, weight, sigma);
-  const std::size_t n = sum.size();
-  std::sort(sum.begin(), sum.end());
-  return 0.25 * (sum[(n - 1) / 2] + sum[n / 2]);
+  const double lower = quantile(sum, 0.5), upper = upper_median(sum);
+  return 0.25 * (lower + upper);
 }
 
 double particle_spacing(std::span<const Vec3> position) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/split_mix.h"
 #include "core/whole_within.h"
 
 namespace kappaflow {
@@ -15,18 +16,10 @@ constexpr double kBrightnessRange = 0.22;  // of a colour: the darkest cube has 
 
 constexpr std::int64_t kFarthestCube = std::int64_t{1} << 52;
 
-// Mixes all bits of a 64-bit number (Steele, Lea, Flood 2014: SplitMix64).
-std::uint64_t mixed(std::uint64_t bits) {
-  bits = (bits ^ (bits >> 30)) * 0xbf58476d1ce4e5b9u;
-  bits = (bits ^ (bits >> 27)) * 0x94d049bb133111ebu;
-  return bits ^ (bits >> 31);
-}
-
 // In [0, 1), the same for a cube at every call.
 double cube_hash(const std::array<std::int64_t, 3>& cube) {
   std::uint64_t bits = 0;
-  for (const std::int64_t index : cube)
-    bits = mixed(bits + static_cast<std::uint64_t>(index) + 0x9e3779b97f4a7c15u);
+  for (const std::int64_t index : cube) bits = split_mix(bits + static_cast<std::uint64_t>(index));
   return static_cast<double>(bits >> 40) / static_cast<double>(std::uint64_t{1} << 24);
 }
 
