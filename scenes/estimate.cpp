@@ -10,6 +10,7 @@
 #include "scenes/mesh_file.h"
 #include "scenes/scene.h"
 #include "scenes/shapes.h"
+#include "solver/emitter.h"
 #include "solver/surface_tension.h"
 #include "solver/time_step.h"
 #include "surface/mesh/mesh_measures.h"

@@ -7,6 +7,7 @@
 #include "scenes/mesh_file.h"
 #include "scenes/shapes.h"
 #include "scenes/wall_distance.h"
+#include "solver/emitter.h"
 
 namespace kappaflow {
 namespace {

@@ -8,10 +8,11 @@
 #include <variant>
 #include <vector>
 
+#include "core/body_motion.h"
 #include "core/errors.h"
 #include "core/types.h"
 #include "scenes/view.h"
-#include "solver/fluid_solver.h"
+#include "solver/options.h"
 #include "surface/field/particle_motion.h"
 #include "surface/measure/texture.h"
 #include "surface/tracker/surface_tracker.h"

@@ -8,6 +8,7 @@
 #include "scenes/scene.h"
 #include "scenes/toml_reader.h"
 #include "solver/boundary_sampling.h"
+#include "solver/emitter.h"
 
 namespace kappaflow {
 namespace {

@@ -2,40 +2,15 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <span>
-#include <variant>
 #include <vector>
 
 #include "core/types.h"
+#include "solver/options.h"
 
 namespace kappaflow {
 
 struct FluidParticles;
-
-struct DiscMouth {
-  double radius = 0;  ///< [m]
-};
-struct RectangleMouth {
-  double width = 0, height = 0;  ///< [m]
-  Vec3 up{0, 1, 0};              ///< its part across the emitter's direction is that of `height`
-};
-
-/// A mouth that liquid leaves at a constant speed. Particles come in layers of a square lattice, one layer
-/// every spacing / speed seconds, so that the stream has rest density from the mouth on. The last
-/// kNozzleLength before the mouth they are led: they keep the emitter's velocity whatever pushes them, so
-/// that the liquid in front of the mouth has liquid behind it.
-struct Emitter {
-  std::variant<DiscMouth, RectangleMouth> mouth;
-  Vec3 position{0, 0, 0};                                ///< centre of the mouth [m]
-  Vec3 direction{0, -1, 0};                              ///< of the flow; any length above 0
-  double speed = 0;                                      ///< > 0 [m/s]
-  double start = 0;                                      ///< when the first layer is at the mouth [s]
-  double end = std::numeric_limits<double>::infinity();  ///< when the last one has left it [s]
-  std::size_t max_particles = std::numeric_limits<std::size_t>::max();  ///< whole layers within this limit
-  std::uint8_t fluid = 0;                                               ///< which fluid, see FluidOptions
-  int source = 0;                                                       ///< of its particles
-};
 
 /// Length of the led stretch before the mouth, in spacings: the kernel's support.
 inline constexpr double kNozzleLength = 2;

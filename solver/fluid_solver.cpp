@@ -13,6 +13,7 @@
 #include "core/stopwatch.h"
 #include "solver/boundary.h"
 #include "solver/boundary_sampling.h"
+#include "solver/emitter.h"
 #include "solver/neighbours.h"
 #include "solver/pressure.h"
 #include "solver/start.h"
@@ -49,7 +50,8 @@ double fastest_speed(const FluidParticles& particles) {
   return std::sqrt(static_cast<double>(square));
 }
 
-/// The particle with the largest value, NaN being larger than all; of several the one with the lowest id.
+/// The particle with the largest value, NaN being larger than all; the one with the lowest id if several have
+/// it.
 template <class Value>
 FailedParticle worst_particle(const FluidParticles& particles, const Value& value) {
   std::size_t worst = 0;

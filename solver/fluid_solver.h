@@ -9,34 +9,9 @@
 #include "core/body_motion.h"
 #include "core/particles.h"
 #include "core/types.h"
-#include "solver/emitter.h"
+#include "solver/options.h"
 
 namespace kappaflow {
-
-/// Options of the solver; SI units.
-struct FluidOptions {
-  double spacing = 0;     ///< rest distance of neighbouring particles [m]; the kernel's support is twice it
-  double density = 1000;  ///< rest density [kg/m3]
-  double kinematic_viscosity = 1;  ///< [m2/s]
-  double slip_length = 0;          ///< of the walls (Navier): 0: no slip, infinite: free slip [m]
-  /// Kinematic viscosities of fluids 1, 2, ... where there are several [m2/s]; all have the same rest
-  /// density. Between fluids of viscosities a and b the viscosity is their harmonic mean, 2 a b / (a + b):
-  /// the shear stress across the interface is then continuous.
-  std::vector<double> more_viscosities;
-  std::vector<Emitter> emitters;
-  double surface_tension = 0;  ///< of all fluids against the air [N/m]; see surface_tension.h
-  Vec3 gravity{0, -9.81, 0};   ///< [m/s2]
-
-  double cfl = 0.4;             ///< a step moves no particle further than cfl * spacing
-  double min_time_step = 1e-6;  ///< [s]; a flow that needs less is a SolverFailure
-  double max_time_step = 5e-3;  ///< [s]
-
-  double density_tolerance = 1e-4;     ///< mean compression at which the pressure solver stops [1]
-  double divergence_tolerance = 1e-3;  ///< mean rate of compression times the time step, likewise [1]
-  int max_pressure_iterations = 100;
-  double viscosity_tolerance = 1e-3;  ///< relative residual at which the viscosity solver stops [1]
-  int max_viscosity_iterations = 100;
-};
 
 /// Wall time of the phases of a step [s].
 struct SolverSeconds {

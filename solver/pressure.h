@@ -6,8 +6,8 @@
 
 #include "solver/boundary.h"
 #include "solver/fluid_particles.h"
-#include "solver/fluid_solver.h"
 #include "solver/neighbours.h"
+#include "solver/options.h"
 
 namespace kappaflow {
 

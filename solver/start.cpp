@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/errors.h"
+#include "solver/emitter.h"
 #include "solver/surface_tension.h"
 
 namespace kappaflow {

@@ -6,7 +6,7 @@
 
 #include "core/solid_distance.h"
 #include "solver/fluid_particles.h"
-#include "solver/fluid_solver.h"
+#include "solver/options.h"
 
 namespace kappaflow {
 

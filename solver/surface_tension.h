@@ -4,8 +4,8 @@
 #pragma once
 
 #include "solver/fluid_particles.h"
-#include "solver/fluid_solver.h"
 #include "solver/neighbours.h"
+#include "solver/options.h"
 
 namespace kappaflow {
 

@@ -9,6 +9,7 @@
 #include "core/parallel.h"
 #include "core/wide.h"
 #include "solver/boundary_sampling.h"
+#include "solver/fluid_solver.h"
 #include "solver/pressure.h"
 #include "solver/start.h"
 #include "solver/viscosity.h"

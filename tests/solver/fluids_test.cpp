@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 
 #include "core/errors.h"
+#include "solver/fluid_solver.h"
 #include "solver/viscosity.h"
 #include "tests/solver/liquid.h"
 #include "tests/solver/shapes.h"

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/errors.h"
+#include "solver/fluid_solver.h"
 #include "tests/solver/liquid.h"
 #include "tests/solver/shapes.h"
 

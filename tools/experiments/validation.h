@@ -12,6 +12,7 @@
 
 #include "core/types.h"
 #include "scenes/scene.h"
+#include "solver/fluid_solver.h"
 #include "tools/experiments/experiment.h"
 #include "tools/pictures/report.h"
 

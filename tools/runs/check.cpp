@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/errors.h"
+#include "solver/emitter.h"
 
 namespace kappaflow {
 namespace {

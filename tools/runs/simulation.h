@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "scenes/scene.h"
+#include "solver/fluid_solver.h"
 #include "tools/runs/tracked_surfaces.h"
 
 namespace kappaflow {

@@ -1,0 +1,64 @@
+// What the solver is told: the liquid, its emitters, and how to step.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <variant>
+#include <vector>
+
+#include "core/types.h"
+
+namespace kappaflow {
+
+/// The round mouth of an emitter.
+struct DiscMouth {
+  double radius = 0;  ///< [m]
+};
+/// The rectangular mouth of an emitter.
+struct RectangleMouth {
+  double width = 0, height = 0;  ///< [m]
+  Vec3 up{0, 1, 0};              ///< its part across the emitter's direction is that of `height`
+};
+
+/// A mouth that liquid leaves at a constant speed. Particles come in layers of a square lattice, one layer
+/// every spacing / speed seconds, so that the stream has rest density from the mouth on. The last
+/// kNozzleLength (emitter.h) before the mouth they are led: they keep the emitter's velocity whatever pushes
+/// them, so that the liquid in front of the mouth has liquid behind it.
+struct Emitter {
+  std::variant<DiscMouth, RectangleMouth> mouth;
+  Vec3 position{0, 0, 0};                                ///< centre of the mouth [m]
+  Vec3 direction{0, -1, 0};                              ///< of the flow; any length above 0
+  double speed = 0;                                      ///< > 0 [m/s]
+  double start = 0;                                      ///< when the first layer is at the mouth [s]
+  double end = std::numeric_limits<double>::infinity();  ///< when the last one has left it [s]
+  std::size_t max_particles = std::numeric_limits<std::size_t>::max();  ///< whole layers within this limit
+  std::uint8_t fluid = 0;                                               ///< which fluid, see FluidOptions
+  int source = 0;                                                       ///< of its particles
+};
+
+/// Options of the solver; SI units.
+struct FluidOptions {
+  double spacing = 0;     ///< rest distance of neighbouring particles [m]; the kernel's support is twice it
+  double density = 1000;  ///< rest density [kg/m3]
+  double kinematic_viscosity = 1;  ///< [m2/s]
+  double slip_length = 0;          ///< of the walls (Navier): 0: no slip, infinite: free slip [m]
+  /// Kinematic viscosities of fluids 1, 2, ... where there are several [m2/s]; all have the same rest
+  /// density. Between fluids of viscosities a and b the viscosity is their harmonic mean, 2 a b / (a + b):
+  /// the shear stress across the interface is then continuous.
+  std::vector<double> more_viscosities;
+  std::vector<Emitter> emitters;
+  double surface_tension = 0;  ///< of all fluids against the air [N/m]; see surface_tension.h
+  Vec3 gravity{0, -9.81, 0};   ///< [m/s2]
+
+  double cfl = 0.4;             ///< a step moves no particle further than cfl * spacing
+  double min_time_step = 1e-6;  ///< [s]; a flow that needs less is a SolverFailure
+  double max_time_step = 5e-3;  ///< [s]
+
+  double density_tolerance = 1e-4;     ///< mean compression at which the pressure solver stops [1]
+  double divergence_tolerance = 1e-3;  ///< mean rate of compression times the time step, likewise [1]
+  int max_pressure_iterations = 100;
+  double viscosity_tolerance = 1e-3;  ///< relative residual at which the viscosity solver stops [1]
+  int max_viscosity_iterations = 100;
+};
+
+}  // namespace kappaflow
