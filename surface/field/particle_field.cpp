@@ -1,11 +1,4 @@
-// Eq. 12 of Fujisawa et al. 2011 and its derivatives, in one pass over the particles in reach.
-//
-// With s = |x - x_i|^2/sigma^2, u = 1 - s, k = 2/sigma^2 and d = x - x_i, a particle's kernel u^3 has the
-// derivatives
-//   phi_a   = b1 d_a                                                     b1 = -3 u^2 k
-//   phi_ab  = b2 d_a d_b + b1 delta_ab                                   b2 =  6 u k^2
-//   phi_abc = b3 d_a d_b d_c + b2 (delta_ab d_c + delta_ac d_b + delta_bc d_a),   b3 = -6 k^3
-// and in time each of them changes by w' times itself less w v . grad of itself.
+// Eq. 12 of Fujisawa et al. 2011 over the particles in reach.
 #include "surface/field/particle_field.h"
 
 #include <fmt/format.h>
@@ -16,21 +9,13 @@
 #include <cmath>
 
 #include "core/errors.h"
+#include "surface/field/field_slab.h"
+#include "surface/field/jet_sums.h"
+#include "surface/field/strain_sums.h"
 
 namespace kappaflow {
 
 namespace {
-
-/// Four particles side by side.
-using Lanes = Eigen::Array4d;
-constexpr std::size_t kLanes = 4;
-
-/// Most particles that are worked on at once; more in reach are taken in turns.
-constexpr std::size_t kHitCapacity = 256;
-
-Lanes load(const double* values) {
-  return Eigen::Map<const Lanes, Eigen::Aligned32>(values);
-}
 
 void check(const FieldParticles& p) {
   const std::size_t n = p.position.size();
@@ -49,160 +34,6 @@ void check(const FieldParticles& p) {
 }
 
 }  // namespace
-
-/// Particles in reach of a point, copied side by side and padded to whole lanes with particles of no weight.
-struct ParticleField::Hits {
-  std::size_t count;  // a multiple of kLanes
-  alignas(32) double dx[kHitCapacity], dy[kHitCapacity], dz[kHitCapacity];
-  alignas(32) double vx[kHitCapacity], vy[kHitCapacity], vz[kHitCapacity];
-  alignas(32) double inverse_sigma2[kHitCapacity], sigma[kHitCapacity];
-  alignas(32) double weight[kHitCapacity], weight_rate[kHitCapacity];
-};
-
-/// The sums over particles that make a jet; pairs xx, xy, xz, yy, yz, zz and triples xxx ... zzz in that
-/// order.
-struct ParticleField::JetSums {
-  Lanes f = Lanes::Zero(), f_t = Lanes::Zero(), sigma = Lanes::Zero(), fastest2 = Lanes::Zero();
-  Lanes g[3], g_t[3], p2_d[3];
-  Lanes p1 = Lanes::Zero(), c1 = Lanes::Zero();  // what stands on the diagonals of A and A_t
-  Lanes A[6], A_t[6];
-  Lanes C[10];
-
-  JetSums() {
-    for (Lanes* sums : {g, g_t, p2_d}) std::fill_n(sums, 3, Lanes::Zero());
-    for (Lanes* sums : {A, A_t}) std::fill_n(sums, 6, Lanes::Zero());
-    std::fill_n(C, 10, Lanes::Zero());
-  }
-
-  void add(const Hits& hits, std::size_t first);
-  Jet jet(double threshold, double cloud_speed) const;
-};
-
-inline void ParticleField::JetSums::add(const Hits& hits, std::size_t first) {
-  const Lanes d[3] = {load(hits.dx + first), load(hits.dy + first), load(hits.dz + first)};
-  const Lanes v[3] = {load(hits.vx + first), load(hits.vy + first), load(hits.vz + first)};
-  const Lanes w = load(hits.weight + first), w_t = load(hits.weight_rate + first);
-  const Lanes is2 = load(hits.inverse_sigma2 + first), k = 2 * is2;
-  const Lanes u = 1 - (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) * is2, phi = u * u * u;
-  const Lanes b1 = -3 * u * u * k, b2 = 6 * u * k * k;
-  const Lanes w_phi = w * phi, w_p1 = w * b1, p2 = w * b2, p3 = -6 * w * k * k * k;
-  const Lanes q = d[0] * v[0] + d[1] * v[1] + d[2] * v[2];
-  const Lanes w_c1 = w_t * b1 - p2 * q, c2 = w_t * b2 - p3 * q;
-
-  f += w_phi;
-  f_t += w_t * phi - w_p1 * q;
-  sigma += w_phi * load(hits.sigma + first);
-  fastest2 = fastest2.max(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-  p1 += w_p1;
-  c1 += w_c1;
-  for (int a = 0, ab = 0, abc = 0; a < 3; ++a) {
-    const Lanes p2_da = p2 * d[a], p2_va = p2 * v[a], p3_da = p3 * d[a], c2_da = c2 * d[a];
-    g[a] += w_p1 * d[a];
-    g_t[a] += w_c1 * d[a] - w_p1 * v[a];
-    p2_d[a] += p2_da;
-    for (int b = a; b < 3; ++b, ++ab) {
-      A[ab] += p2_da * d[b];
-      A_t[ab] += c2_da * d[b] - p2_da * v[b] - p2_va * d[b];
-      const Lanes p3_da_db = p3_da * d[b];
-      for (int c = b; c < 3; ++c, ++abc) C[abc] += p3_da_db * d[c];
-    }
-  }
-}
-
-inline Jet ParticleField::JetSums::jet(double threshold, double cloud_speed) const {
-  const auto symmetric = [](const Lanes(&m)[6], double diagonal) {
-    Mat3 s;
-    s << m[0].sum() + diagonal, m[1].sum(), m[2].sum(),  //
-        m[1].sum(), m[3].sum() + diagonal, m[4].sum(),   //
-        m[2].sum(), m[4].sum(), m[5].sum() + diagonal;
-    return s;
-  };
-  Jet jet;
-  const double sum = f.sum();
-  jet.f = sum - threshold;
-  jet.f_t = f_t.sum();
-  jet.g = Vec3(g[0].sum(), g[1].sum(), g[2].sum());
-  jet.g_t = Vec3(g_t[0].sum(), g_t[1].sum(), g_t[2].sum());
-  jet.A = symmetric(A, p1.sum());
-  jet.A_t = symmetric(A_t, c1.sum());
-  const double qx = p2_d[0].sum(), qy = p2_d[1].sum(), qz = p2_d[2].sum();
-  jet.C = {.xxx = C[0].sum() + 3 * qx,
-           .xxy = C[1].sum() + qy,
-           .xxz = C[2].sum() + qz,
-           .xyy = C[3].sum() + qx,
-           .xyz = C[4].sum(),
-           .xzz = C[5].sum() + qx,
-           .yyy = C[6].sum() + 3 * qy,
-           .yyz = C[7].sum() + qz,
-           .yzz = C[8].sum() + qy,
-           .zzz = C[9].sum() + 3 * qz};
-  jet.length_scale = sum > 0 ? sigma.sum() / sum : 0;
-  jet.fastest_in_reach = std::max(std::sqrt(fastest2.maxCoeff()), cloud_speed);
-  return jet;
-}
-
-/// The sums over particles that, beside those of the jet, make its response to strain. A particle at x - d
-/// moves with u(x) - G d, so that R(E) = sum w grad phi . E d = sum w b1 d . E d.
-struct ParticleField::StrainSums {
-  Lanes p1_dd[6], p2_ddd[10], p3_dddd[15];
-  Lanes p1 = Lanes::Zero();
-
-  StrainSums() {
-    std::fill_n(p1_dd, 6, Lanes::Zero());
-    std::fill_n(p2_ddd, 10, Lanes::Zero());
-    std::fill_n(p3_dddd, 15, Lanes::Zero());
-  }
-
-  void add(const Hits& hits, std::size_t first);
-  void response(const Jet& jet, StrainResponse& strain) const;
-};
-
-inline void ParticleField::StrainSums::add(const Hits& hits, std::size_t first) {
-  const Lanes d[3] = {load(hits.dx + first), load(hits.dy + first), load(hits.dz + first)};
-  const Lanes w = load(hits.weight + first), is2 = load(hits.inverse_sigma2 + first), k = 2 * is2;
-  const Lanes u = 1 - (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) * is2;
-  const Lanes w_p1 = -3 * w * u * u * k, p2 = 6 * w * u * k * k, p3 = -6 * w * k * k * k;
-  p1 += w_p1;
-  for (int a = 0, ab = 0, abc = 0, abce = 0; a < 3; ++a)
-    for (int b = a; b < 3; ++b, ++ab) {
-      const Lanes dd = d[a] * d[b];
-      p1_dd[ab] += w_p1 * dd;
-      const Lanes p2_dd = p2 * dd, p3_dd = p3 * dd;
-      for (int c = b; c < 3; ++c, ++abc) {
-        p2_ddd[abc] += p2_dd * d[c];
-        const Lanes p3_ddd = p3_dd * d[c];
-        for (int e = c; e < 3; ++e, ++abce) p3_dddd[abce] += p3_ddd * d[e];
-      }
-    }
-}
-
-/// The derivatives of R(E) with the jet's own sums g = sum w b1 d and A = sum w (b2 d d^T + b1 I):
-///   R_c  = sum w b2 d_c d.Ed + 2 (E g)_c
-///   R_ce = sum w b3 d_c d_e d.Ed + delta_ce B:E + 2 (B E + E B)_ce + 2 sum w b1 E_ce,   B = sum w b2 d d^T.
-inline void ParticleField::StrainSums::response(const Jet& jet, StrainResponse& strain) const {
-  // Where a sorted tuple of axes stands in the sums: pairs 00 01 02 11 12 22 and so on.
-  constexpr int pair[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
-  constexpr int triple[3][6] = {{0, 1, 2, 3, 4, 5}, {1, 3, 4, 6, 7, 8}, {2, 4, 5, 7, 8, 9}};
-  constexpr int quadruple[6][6] = {{0, 1, 2, 3, 4, 5},    {1, 3, 4, 6, 7, 8},    {2, 4, 5, 7, 8, 9},
-                                   {3, 6, 7, 10, 11, 12}, {4, 7, 8, 11, 12, 13}, {5, 8, 9, 12, 13, 14}};
-  const double s1 = p1.sum();
-  const Mat3 B = jet.A - s1 * Mat3::Identity();
-  std::array<double, 10> ddd;
-  std::array<double, 15> dddd;
-  std::transform(p2_ddd, p2_ddd + 10, ddd.begin(), [](const Lanes& sum) { return sum.sum(); });
-  std::transform(p3_dddd, p3_dddd + 15, dddd.begin(), [](const Lanes& sum) { return sum.sum(); });
-  for (int a = 0; a < 3; ++a)
-    for (int b = 0; b < 3; ++b) {
-      strain.f(a, b) = p1_dd[pair[a][b]].sum();
-      for (int c = 0; c < 3; ++c)
-        strain.g[c](a, b) = ddd[triple[c][pair[a][b]]] + (a == c) * jet.g[b] + (b == c) * jet.g[a];
-      for (int c = 0; c < 3; ++c)
-        for (int e = c; e < 3; ++e)
-          strain.A[pair[c][e]](a, b) = dddd[quadruple[pair[c][e]][pair[a][b]]] + (c == e) * B(a, b) +
-                                       (b == e) * B(c, a) + (a == e) * B(c, b) + (c == a) * B(b, e) +
-                                       (c == b) * B(a, e) + s1 * ((a == c && b == e) + (b == c && a == e));
-    }
-}
 
 ParticleField::ParticleField(const FieldParticles& particles, double threshold, double time)
     : threshold_(threshold), time_(time), cloud_speed_(particles.cloud_speed) {
@@ -241,7 +72,7 @@ void ParticleField::set_particles(const FieldParticles& p) {
 /// new count.
 inline std::size_t ParticleField::collect_hits(const Vec3& x, std::uint32_t begin, std::uint32_t end,
                                                std::uint32_t* hit, std::size_t count) const {
-  std::array<double, kHitCapacity> s;
+  std::array<double, ParticleHits::kCapacity> s;
   const std::uint32_t n = end - begin;
 #pragma omp simd
   for (std::uint32_t i = 0; i < n; ++i) {
@@ -255,18 +86,19 @@ inline std::size_t ParticleField::collect_hits(const Vec3& x, std::uint32_t begi
   return count;
 }
 
-/// Calls consume(indices) with the particles that have |x - x_i| < sigma_i, at most kHitCapacity at a time.
+/// Calls consume(indices) with the particles that have |x - x_i| < sigma_i, at most ParticleHits::kCapacity
+/// at a time.
 template <class Consume>
 void ParticleField::visit_hits(const Vec3& x, const Consume& consume) const {
-  std::array<std::uint32_t, kHitCapacity> hit;
+  std::array<std::uint32_t, ParticleHits::kCapacity> hit;
   std::size_t count = 0;
   grid_.ranges_near(x, largest_sigma_, [&](std::uint32_t begin, std::uint32_t end) {
     while (begin < end) {
       const auto piece_end =
-          static_cast<std::uint32_t>(std::min<std::size_t>(end, begin + (kHitCapacity - count)));
+          static_cast<std::uint32_t>(std::min<std::size_t>(end, begin + (ParticleHits::kCapacity - count)));
       count = collect_hits(x, begin, piece_end, hit.data(), count);
       begin = piece_end;
-      if (count < kHitCapacity) continue;
+      if (count < ParticleHits::kCapacity) continue;
       consume(std::span<const std::uint32_t>(hit.data(), count));
       count = 0;
     }
@@ -275,7 +107,7 @@ void ParticleField::visit_hits(const Vec3& x, const Consume& consume) const {
 }
 
 inline void ParticleField::load_hits(const Vec3& x, std::span<const std::uint32_t> indices,
-                                     Hits& hits) const {
+                                     ParticleHits& hits) const {
   std::size_t n = 0;
   for (const std::uint32_t k : indices) {
     const Source& source = source_[k];
@@ -291,7 +123,7 @@ inline void ParticleField::load_hits(const Vec3& x, std::span<const std::uint32_
     hits.weight_rate[n] = source.weight_rate;
     ++n;
   }
-  for (; n % kLanes != 0; ++n)
+  for (; n % ParticleHits::kLanes != 0; ++n)
     for (double* values : {hits.dx, hits.dy, hits.dz, hits.vx, hits.vy, hits.vz, hits.inverse_sigma2,
                            hits.sigma, hits.weight, hits.weight_rate})
       values[n] = 0;
@@ -299,28 +131,28 @@ inline void ParticleField::load_hits(const Vec3& x, std::span<const std::uint32_
 }
 
 Jet ParticleField::jet(const Vec3& x) const {
-  Hits hits;
+  ParticleHits hits;
   JetSums sums;
   visit_hits(x, [&](std::span<const std::uint32_t> indices) {
     load_hits(x, indices, hits);
-    for (std::size_t first = 0; first < hits.count; first += kLanes) sums.add(hits, first);
+    for (std::size_t first = 0; first < hits.count; first += ParticleHits::kLanes) sums.add(hits, first);
   });
   return sums.jet(threshold_, cloud_speed_);
 }
 
 Jet ParticleField::jet(const Vec3& x, StrainResponse& strain) const {
-  Hits hits;
+  ParticleHits hits;
   JetSums sums;
   StrainSums strain_sums;
   visit_hits(x, [&](std::span<const std::uint32_t> indices) {
     load_hits(x, indices, hits);
-    for (std::size_t first = 0; first < hits.count; first += kLanes) {
+    for (std::size_t first = 0; first < hits.count; first += ParticleHits::kLanes) {
       sums.add(hits, first);
       strain_sums.add(hits, first);
     }
   });
-  Jet jet = sums.jet(threshold_, cloud_speed_);
-  strain_sums.response(jet, strain);
+  const Jet jet = sums.jet(threshold_, cloud_speed_);
+  strain = strain_sums.response(jet);
   return jet;
 }
 
@@ -370,6 +202,22 @@ std::optional<Vec3> ParticleField::material_velocity(const Vec3& x) const {
   if (!(sum > 0)) return std::nullopt;
   moment.diagonal().tail<3>().array() += kRidge * sum;
   return Vec3(moment.ldlt().solve(rhs).row(0).transpose());
+}
+
+void ParticleField::sample(SampledField& samples) const {
+  const auto& dims = samples.dims;
+  samples.value.resize(static_cast<std::size_t>(dims[0]) * dims[1] * dims[2]);
+  const double inverse_spacing = 1 / samples.spacing;
+  const auto fill_slab = [&](std::size_t s) {
+    FieldSlab slab(samples, static_cast<int>(s));
+    for (std::size_t p = 0; p < x_.size(); ++p) {
+      const Vec3 centre = inverse_spacing * (Vec3(x_[p], y_[p], z_[p]) - samples.origin);
+      const double sigma = source_[p].sigma * inverse_spacing;
+      if (slab.reached(centre[2], sigma)) slab.add(centre, sigma, weight_[p]);
+    }
+    slab.write(threshold_, samples.value);
+  };
+  parallel_for(static_cast<std::size_t>(FieldSlab::count(samples)), fill_slab, 1);
 }
 
 }  // namespace kappaflow

@@ -9,11 +9,7 @@
 
 namespace kappaflow {
 
-/// How the weights w_i of Eq. 12 are chosen.
-enum class WeightRule {
-  uniform,     ///< w_i = 1
-  normalised,  ///< w_i = 1 / sum_j (1 - r_ij^2)^3, self included: about 1 inside, and 1 for a lone particle
-};
+struct ParticleHits;
 
 /// Particles with everything Eq. 12 needs, at one instant; one entry a particle in every array.
 struct FieldParticles {
@@ -48,6 +44,7 @@ class ParticleField final : public Field {
   /// x)/sigma), with a ridge of 0.001 times the sum of the kernel on the three gradient terms. nullopt where
   /// nothing is in reach, and everywhere where no velocity is known.
   std::optional<Vec3> material_velocity(const Vec3& x) const override;
+  /// Scatters the particles over the lattice, see field_slab.h.
   void sample(SampledField& samples) const override;
 
  private:
@@ -56,16 +53,13 @@ class ParticleField final : public Field {
     Vec3 velocity;
     double sigma, weight_rate;
   };
-  struct Hits;
-  struct JetSums;
-  struct StrainSums;
 
   void set_particles(const FieldParticles& particles);
   template <class Consume>
   void visit_hits(const Vec3& x, const Consume& consume) const;
   std::size_t collect_hits(const Vec3& x, std::uint32_t begin, std::uint32_t end, std::uint32_t* hit,
                            std::size_t count) const;
-  void load_hits(const Vec3& x, std::span<const std::uint32_t> indices, Hits& hits) const;
+  void load_hits(const Vec3& x, std::span<const std::uint32_t> indices, ParticleHits& hits) const;
 
   CellGrid grid_;
   // All in the grid's cell order. value_and_gradient() reads the first five only.
@@ -76,19 +70,5 @@ class ParticleField final : public Field {
   double largest_sigma_ = 0, smallest_sigma_ = 0, fastest_speed_ = 0, cloud_speed_ = 0;
   Bounds bounds_;
 };
-
-/// Weights by `rule` for particles at `position` with one support radius sigma [m].
-std::vector<double> field_weights(std::span<const Vec3> position, double sigma, WeightRule rule);
-
-/// Half the median over the particles of sum_j w_j (1 - r_ij^2)^3: the threshold that puts a flat surface in
-/// the right place. Throws InvalidInput without particles.
-double half_median_threshold(std::span<const Vec3> position, std::span<const double> weight, double sigma);
-
-/// The spacing h of particles [m], one to h^3 inside the body: from the median m of the distances to the
-/// nearest neighbour, and then from S = sum_j (1 - |x_ij|^2/s^2)^3 with s = 2.5 m, of which a body without a
-/// surface has 64 pi/315 (s/h)^3. S is the one that a tenth of the particles exceed, as most of a small body
-/// is near its surface. Exact to about 2 % in lattices and jittered bodies; a sheet's comes out a quarter too
-/// large. Throws InvalidInput for fewer than two particles or where half of them coincide.
-double particle_spacing(std::span<const Vec3> position);
 
 }  // namespace kappaflow

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "surface/field/particle_field.h"
+#include "surface/field/particle_weights.h"
 
 namespace kappaflow {
 

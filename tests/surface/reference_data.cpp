@@ -6,6 +6,7 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "surface/field/particle_weights.h"
 #include "tools/io/particle_file.h"
 
 namespace kappaflow::testing {

@@ -8,6 +8,7 @@
 #include "core/parallel.h"
 #include "surface/field/enright_flow.h"
 #include "surface/field/particle_field.h"
+#include "surface/field/particle_weights.h"
 #include "surface/remesh/initial_mesh.h"
 
 namespace kappaflow {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "scenes/toml_reader.h"
+#include "surface/field/particle_weights.h"
 #include "surface/measure/surface_state.h"
 #include "surface/mesh/mesh_measures.h"
 #include "surface/remesh/initial_mesh.h"

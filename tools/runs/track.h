@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "surface/field/particle_field.h"
+#include "surface/field/particle_weights.h"
 #include "tools/io/mesh_formats.h"
 #include "tools/io/particle_sequence.h"
 #include "tools/runs/summary.h"

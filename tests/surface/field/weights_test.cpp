@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/errors.h"
+#include "surface/field/particle_weights.h"
 #include "tests/surface/field/random_particles.h"
 
 namespace kappaflow {

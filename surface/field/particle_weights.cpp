@@ -1,4 +1,5 @@
-// Weights, threshold and support radius of Eq. 12 from the particles' places.
+#include "surface/field/particle_weights.h"
+
 #include <algorithm>
 #include <numbers>
 
