@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/parallel.h"
 
@@ -104,58 +105,121 @@ void ViscositySolver::invert_diagonal(const FluidParticles& particles, const Nei
   });
 }
 
+/// One solve of A change = b, with A = I + dt L and b = -dt (L v* - f), where f is the drive of moving walls:
+/// the right-hand side does not see a common velocity, so neither does the tolerance. Every vector is zero
+/// for the particles that an emitter leads. The steps are those of the preconditioned conjugate gradients
+/// (Hestenes & Stiefel, "Methods of conjugate gradients for solving linear systems", 1952), M^-1 being the
+/// inverses of A's 3x3 diagonal blocks.
+class ViscositySolver::ConjugateGradients {
+ public:
+  ConjugateGradients(const ViscositySolver& solver, FluidParticles& particles, const NeighbourLists& lists,
+                     const WallSums& walls, float time_step)
+      : solver_(solver),
+        particles_(particles),
+        lists_(lists),
+        walls_(walls),
+        time_step_(time_step),
+        change_(particles.viscous_change),
+        residual_(particles.scratch[0]),
+        direction_(particles.scratch[1]),
+        image_(particles.scratch[2]) {
+    residual_.resize(particles.size());
+    image_.resize(particles.size());
+    // resize() leaves Eigen's vectors uninitialised, and 0 * NaN is NaN
+    direction_.assign(particles.size(), Vec4f::Zero());
+  }
+
+  /// r = b; returns r . r.
+  double start_from_nothing() {
+    return sum([this](std::size_t i) {
+      residual_[i] = particles_.velocity[i] - A(particles_.velocity, i);
+      if (walls_.touches(i))
+        residual_[i] += time_step_ * solver_.wall_viscosity_[particles_.fluid[i]] * walls_.drive(i);
+      keep_led(residual_, i);
+      return dot(residual_[i], residual_[i]);
+    });
+  }
+
+  /// r = b - A change, of what the last step has left in it; returns r . r.
+  double start_from_last_change() {
+    return sum([this](std::size_t i) {
+      residual_[i] -= A(change_, i);
+      keep_led(residual_, i);
+      return dot(residual_[i], residual_[i]);
+    });
+  }
+
+  /// r . M^-1 r.
+  double energy() const {
+    return sum([this](std::size_t i) { return dot(preconditioned(i), residual_[i]); });
+  }
+
+  /// p = M^-1 r + factor p.
+  void turn(float factor) {
+    parallel_for(particles_.size(),
+                 [&](std::size_t i) { direction_[i] = preconditioned(i) + factor * direction_[i]; });
+  }
+
+  /// q = A p; returns p . q.
+  double curvature() {
+    return sum([this](std::size_t i) {
+      image_[i] = A(direction_, i);
+      keep_led(image_, i);
+      return dot(direction_[i], image_[i]);
+    });
+  }
+
+  /// change += length p, r -= length q; returns r . r.
+  double advance(float length) {
+    return sum([this, length](std::size_t i) {
+      change_[i] += length * direction_[i];
+      residual_[i] -= length * image_[i];
+      return dot(residual_[i], residual_[i]);
+    });
+  }
+
+  /// v = v* + change + r, which is v* - dt (L (v* + change) - f), a sum of pair forces: momentum is conserved
+  /// whatever the tolerance.
+  void apply_change() {
+    parallel_for(particles_.size(),
+                 [this](std::size_t i) { particles_.velocity[i] += change_[i] + residual_[i]; });
+  }
+
+ private:
+  template <class Value>
+  double sum(const Value& value) const {
+    return parallel_sum<double>(particles_.size(), 0.0, value);
+  }
+  Vec4f A(const std::vector<Vec4f>& u, std::size_t i) const {
+    return solver_.apply_to(i, particles_, lists_, walls_, time_step_, u);
+  }
+  Vec4f preconditioned(std::size_t i) const { return solver_.inverse_diagonal_[i] * residual_[i]; }
+  void keep_led(std::vector<Vec4f>& vector, std::size_t i) const {
+    if (particles_.led_by[i] != 0) vector[i].setZero();
+  }
+
+  const ViscositySolver& solver_;
+  FluidParticles& particles_;
+  const NeighbourLists& lists_;
+  const WallSums& walls_;
+  float time_step_;
+  std::vector<Vec4f>&change_, &residual_, &direction_, &image_;  // change, r, p, q
+};
+
 ViscositySolve ViscositySolver::solve(FluidParticles& particles, const NeighbourLists& lists,
                                       const WallSums& walls, float time_step) {
   if (std::ranges::all_of(pair_viscosity_, [](float viscosity) { return viscosity == 0; })) return {};
-  const std::size_t n = particles.size();
-  auto &residual = particles.scratch[0], &direction = particles.scratch[1], &image = particles.scratch[2];
-  residual.resize(n);
-  image.resize(n);
-  direction.assign(n, Vec4f::Zero());  // resize() leaves Eigen's vectors uninitialised, and 0 * NaN is NaN
-  auto& velocity = particles.velocity;
-  auto& change = particles.viscous_change;
   invert_diagonal(particles, lists, walls, time_step);
-
-  // (I + dt L) change = -dt (L v* - f), where f is the drive of moving walls: the right-hand side does not
-  // see a common velocity, so neither does the tolerance.
-  const auto sum = [n](const auto& value) { return parallel_sum<double>(n, 0.0, value); };
-  const double first = sum([&](std::size_t i) {
-    residual[i] = velocity[i] - apply_to(i, particles, lists, walls, time_step, velocity);
-    if (walls.touches(i)) residual[i] += time_step * wall_viscosity_[particles.fluid[i]] * walls.drive(i);
-    if (particles.led_by[i] != 0) residual[i].setZero();
-    return dot(residual[i], residual[i]);
-  });
-  const double target = tolerance_ * tolerance_ * first;
-  double square = sum([&](std::size_t i) {
-    residual[i] -= apply_to(i, particles, lists, walls, time_step, change);
-    if (particles.led_by[i] != 0) residual[i].setZero();
-    return dot(residual[i], residual[i]);
-  });
-  double energy = 0;
+  ConjugateGradients step(*this, particles, lists, walls, time_step);
+  const double first = step.start_from_nothing(), target = tolerance_ * tolerance_ * first;
+  double square = step.start_from_last_change(), energy = 0;
   int iterations = 0;
-  while (square > target && iterations < max_iterations_) {
-    const double last_energy = energy;
-    energy = sum([&](std::size_t i) { return dot(inverse_diagonal_[i] * residual[i], residual[i]); });
-    const float conjugate = iterations == 0 ? 0.0f : static_cast<float>(energy / last_energy);
-    parallel_for(n, [&](std::size_t i) {
-      direction[i] = inverse_diagonal_[i] * residual[i] + conjugate * direction[i];
-    });
-    const double curvature = sum([&](std::size_t i) {
-      image[i] = apply_to(i, particles, lists, walls, time_step, direction);
-      if (particles.led_by[i] != 0) image[i].setZero();
-      return dot(direction[i], image[i]);
-    });
-    const float length = static_cast<float>(energy / curvature);
-    square = sum([&](std::size_t i) {
-      change[i] += length * direction[i];
-      residual[i] -= length * image[i];
-      return dot(residual[i], residual[i]);
-    });
-    ++iterations;
+  for (; square > target && iterations < max_iterations_; ++iterations) {
+    const double last_energy = std::exchange(energy, step.energy());
+    step.turn(iterations == 0 ? 0.0f : static_cast<float>(energy / last_energy));
+    square = step.advance(static_cast<float>(energy / step.curvature()));
   }
-  // change + residual = -dt (L (v* + change) - f) is a sum of pair forces: momentum is conserved whatever the
-  // tolerance.
-  parallel_for(n, [&](std::size_t i) { velocity[i] += change[i] + residual[i]; });
+  step.apply_change();
   return {iterations, first > 0 ? std::sqrt(square / first) : 0};
 }
 

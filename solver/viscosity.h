@@ -32,18 +32,25 @@ using SymmetricMatrix = std::array<float, 6>;
 /// How a viscosity solve ended.
 struct ViscositySolve {
   int iterations = 0;
-  double residual = 0;  ///< over the one without viscosity [1]
+  double residual =
+      0;  ///< |r| / |b| of docs/viscosity.md: what is left of the forces that were to be found [1]
 };
 
-/// Solves (I + dt L) v = v* + dt f for the new velocities v, where f - L v is the viscous acceleration: L is
-/// symmetric, positive semidefinite, zero for rigid motions of free liquid; f is what moving walls drive. The
+/// Solves (I + dt L) v = v* + dt f for the new velocities v, where f - L v is the viscous acceleration
+/// [m/s2],
+///   (L v)_i = sum_j nu_ij c_ij x_ij (x_ij . v_ij) + nu_i' g_i (I - n n^T) v_i:
+/// L is symmetric, positive semidefinite, zero for rigid motions of free liquid; f_i = nu_i' g_i (I - n n^T)
+/// v_w is what moving walls drive (g, n and v_w: see WallSums; nu': pair and wall viscosities [m2/s]). The
 /// particles that an emitter leads keep their velocity; the others are solved for. Conjugate gradients on the
 /// change v - v*, starting from the last step's, preconditioned by the inverses of the 3x3 diagonal blocks.
+/// See docs/viscosity.md.
 class ViscositySolver {
  public:
   explicit ViscositySolver(const FluidOptions& options);
 
-  /// Replaces particles.velocity and viscous_change. time_step [s].
+  /// Replaces particles.velocity, v* -> v, and viscous_change, the last v - v* -> this one. Ends when
+  /// |residual| <= FluidOptions::viscosity_tolerance |dt (L v* - f)|, or after max_viscosity_iterations; says
+  /// nothing where it did not get there. Does nothing where no fluid is viscous. time_step [s].
   ViscositySolve solve(FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,
                        float time_step);
 
@@ -54,6 +61,8 @@ class ViscositySolver {
   std::size_t bytes() const { return bytes_of(inverse_diagonal_); }
 
  private:
+  class ConjugateGradients;
+
   Vec4f apply_to(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists,
                  const WallSums& walls, float time_step, const std::vector<Vec4f>& u) const;
   void invert_diagonal(const FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,

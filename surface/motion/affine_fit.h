@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 
 #include "surface/field/jet.h"
+#include "surface/field/symmetric_place.h"
 
 namespace kappaflow {
 
@@ -16,9 +17,18 @@ namespace kappaflow {
 /// side [m/s], the sums over the rows of e e^T, e b, e c^T, c c^T, c b are kept side by side. The rows of the
 /// Hessian have a weight that bounds what one point can say where |g| vanishes. Last comes the weight of all.
 struct MotionEquations {
-  static constexpr int kShifted = 36;  // e e^T (6), e b (3), e c^T (27): what moving the centre needs
-  static constexpr int kSize = 92;     // c c^T (45), c b (9), weight, padding
+  static constexpr int kShifted =
+      36;  ///< e e^T (6), e b (3), e c^T (27): what moving the centre needs comes first
+  static constexpr int kSize = 92;  ///< and then c c^T (45), c b (9), the weight, padding
   Eigen::Array<double, kSize, 1> sums = Eigen::Array<double, kSize, 1>::Zero();
+
+  // Where they stand: a, b are axes of e; j = 3 p + q is the coefficient of G_pq in c, and k >= j likewise.
+  static constexpr int ee(int a, int b) { return symmetric_place(a, b); }
+  static constexpr int eb(int a) { return 6 + a; }
+  static constexpr int ec(int a, int j) { return 9 + 9 * a + j; }
+  static constexpr int cc(int j, int k) { return kShifted + j * (17 - j) / 2 + k; }
+  static constexpr int cb(int j) { return 81 + j; }
+  static constexpr int kWeight = 90;
 };
 
 /// The equations at a point with g != 0. normal_velocity stands for -f_t g/|g|^2 and may be limited [m/s].
@@ -33,7 +43,12 @@ struct AffineFit {
   double determined = 0;
 };
 
-/// Weighted sums of equations, moved to a common centre x.
+/// Weighted sums of equations, moved to a common centre x: about x instead of y = x + d a row [e | c | b] is
+/// [e | c + e d^T | b], for u(y) = a + G d. So, with w the factors,
+///   e e^T -> sum w e e^T,    e b -> sum w e b,    e_a c_pq -> sum w e_a c_pq + sum w d_q e_a e_p,
+///   c_pq b -> sum w c_pq b + sum w d_q e_p b,
+///   c_pq c_st -> sum w c_pq c_st + sum w d_q e_p c_st + sum w d_t e_s c_pq + sum w d_q d_t e_p e_s:
+/// linear in the moments of order 0, 1 and 2 in d. See docs/regional.md.
 class WindowSums {
  public:
   explicit WindowSums(const Vec3& centre) : centre_(centre) {}
@@ -52,12 +67,14 @@ class WindowSums {
   AffineFit solve(double radius, const Vec3& normal) const;
 
  private:
+  static constexpr int kSecond = 8;  // e e^T (6), and what fills two vectors of four
+  template <int Rows, int Columns>
+  using Moments = Eigen::Array<double, Rows, Columns>;
+
   Vec3 centre_;
-  Eigen::Array<double, MotionEquations::kSize, 1> zeroth_ =
-      Eigen::Array<double, MotionEquations::kSize, 1>::Zero();
-  Eigen::Array<double, MotionEquations::kShifted, 3> first_ =
-      Eigen::Array<double, MotionEquations::kShifted, 3>::Zero();           // times d = y - x
-  Eigen::Array<double, 8, 6> second_ = Eigen::Array<double, 8, 6>::Zero();  // e e^T times d d^T
+  Moments<MotionEquations::kSize, 1> zeroth_ = Moments<MotionEquations::kSize, 1>::Zero();       // times w
+  Moments<MotionEquations::kShifted, 3> first_ = Moments<MotionEquations::kShifted, 3>::Zero();  // w d
+  Moments<kSecond, 6> second_ = Moments<kSecond, 6>::Zero();  // w d d^T, by symmetric_place()
 };
 
 }  // namespace kappaflow

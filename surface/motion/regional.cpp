@@ -50,27 +50,36 @@ LocalMotion local_motion(const Field& field, std::span<const Vec3> position, con
   return local;
 }
 
-/// The equations of each sample's patch about the sample, weighted by area.
-std::vector<MotionEquations> patch_equations(const LocalMotion& local, const SurfacePoints& points,
-                                             const SurfaceSamples& samples) {
-  std::vector<MotionEquations> patches(samples.vertex.size());
-  parallel_for(
-      patches.size(),
-      [&](std::size_t s) {
-        WindowSums sums(samples.position[s]);
-        for (const int v : samples.patch(s)) sums.add(local.equations[v], points.position[v], points.area[v]);
-        patches[s] = sums.equations();
-      },
-      kPointsPerTask);
-  return patches;
+/// The surface in patches, each about a sample.
+struct Patches {
+  SurfaceSamples samples;
+  std::vector<MotionEquations> equations;  // of a patch's points about its sample, weighted by area
+  std::vector<double> fastest;             // the speed in reach of a patch [m/s]
+};
+
+MotionEquations patch_equations(const LocalMotion& local, const SurfacePoints& points, const Vec3& sample,
+                                std::span<const int> patch) {
+  WindowSums sums(sample);
+  for (const int v : patch) sums.add(local.equations[v], points.position[v], points.area[v]);
+  return sums.equations();
 }
 
-/// The fastest speed in reach of each sample's patch.
-std::vector<double> patch_fastest(const LocalMotion& local, const SurfaceSamples& samples) {
-  std::vector<double> fastest(samples.vertex.size(), 0.0);
-  for (std::size_t s = 0; s < fastest.size(); ++s)
-    for (const int v : samples.patch(s)) fastest[s] = std::max(fastest[s], local.fastest[v]);
-  return fastest;
+Patches patches_of(const LocalMotion& local, const SurfacePoints& points) {
+  std::vector<double> spacing(local.length_scale.size());
+  std::ranges::transform(local.length_scale, spacing.begin(), [](double L) { return kSampleSpacing * L; });
+  Patches patches{surface_samples(points.position, points.rings, spacing), {}, {}};
+  const SurfaceSamples& samples = patches.samples;
+  patches.equations.resize(samples.vertex.size());
+  parallel_for(
+      patches.equations.size(),
+      [&](std::size_t s) {
+        patches.equations[s] = patch_equations(local, points, samples.position[s], samples.patch(s));
+      },
+      kPointsPerTask);
+  patches.fastest.assign(samples.vertex.size(), 0.0);
+  for (std::size_t s = 0; s < patches.fastest.size(); ++s)
+    for (const int v : samples.patch(s)) patches.fastest[s] = std::max(patches.fastest[s], local.fastest[v]);
+  return patches;
 }
 
 /// What a window tells.
@@ -79,32 +88,32 @@ struct Window {
   double fastest = 0;  // speed in reach of it [m/s]
 };
 
-/// Fits windows around points; one a thread.
-class WindowFit {
- public:
-  Window operator()(const LocalMotion& local, const SurfaceSamples& samples,
-                    std::span<const MotionEquations> patches, std::span<const double> fastest_of_patch,
-                    const Vec3& x, int v) {
-    const double scale = local.length_scale[v];
-    for (double radius = kRadius * scale;; radius *= kRadiusGrowth) {
-      WindowSums sums(x);
-      double fastest = local.fastest[v];
-      for (const int s : walk_.around(samples, x, samples.of_vertex[v], radius)) {
-        const Vec3& y = samples.position[s];
-        const double u = std::max(0.0, 1 - (y - x).squaredNorm() / (radius * radius));
-        sums.add(patches[s], y, u * u);
-        fastest = std::max(fastest, fastest_of_patch[s]);
-      }
-      if (!(sums.weight() > 0)) sums.add(local.equations[v], x, 1);
-      AffineFit fit = sums.solve(radius, local.normal[v]);
-      if (fit.determined >= kDetermined || radius * kRadiusGrowth > kLargestRadius * scale)
-        return {fit, fastest};
-    }
+/// The window of `radius` around the point x, which is vertex v [m].
+Window window_at(const Vec3& x, int v, double radius, const LocalMotion& local, const Patches& patches,
+                 SampleWalk& walk) {
+  WindowSums sums(x);
+  double fastest = local.fastest[v];
+  const SurfaceSamples& samples = patches.samples;
+  for (const int s : walk.around(samples, x, samples.of_vertex[v], radius)) {
+    const Vec3& y = samples.position[s];
+    const double u = std::max(0.0, 1 - (y - x).squaredNorm() / (radius * radius));
+    sums.add(patches.equations[s], y, u * u);
+    fastest = std::max(fastest, patches.fastest[s]);
   }
+  if (!(sums.weight() > 0)) sums.add(local.equations[v], x, 1);
+  return {sums.solve(radius, local.normal[v]), fastest};
+}
 
- private:
-  SampleWalk walk_;
-};
+/// The smallest window around x that determines the tangential velocity, or the largest allowed.
+Window sufficient_window(const Vec3& x, int v, const LocalMotion& local, const Patches& patches,
+                         SampleWalk& walk) {
+  const double scale = local.length_scale[v];
+  for (double radius = kRadius * scale;; radius *= kRadiusGrowth) {
+    const Window window = window_at(x, v, radius, local, patches, walk);
+    if (window.fit.determined >= kDetermined || radius * kRadiusGrowth > kLargestRadius * scale)
+      return window;
+  }
+}
 
 }  // namespace
 
@@ -112,20 +121,16 @@ void evaluate_regional(const Field& field, const SurfacePoints& points, const Ve
                        SurfaceVelocities& result) {
   const std::size_t n = points.position.size();
   const LocalMotion local = local_motion(field, points.position, options);
-  std::vector<double> spacing(n);
-  std::ranges::transform(local.length_scale, spacing.begin(), [](double L) { return kSampleSpacing * L; });
-  const SurfaceSamples samples = surface_samples(points.position, points.rings, spacing);
-  const std::vector<MotionEquations> patches = patch_equations(local, points, samples);
-  const std::vector<double> fastest_of_patch = patch_fastest(local, samples);
+  const Patches patches = patches_of(local, points);
   result.velocity.assign(n, Vec3::Zero());
   result.confidence.assign(n, 0.0);
-  tbb::enumerable_thread_specific<WindowFit> window_fit;
+  tbb::enumerable_thread_specific<SampleWalk> walk;
   parallel_for(
       n,
       [&](std::size_t v) {
         if (!(local.length_scale[v] > 0)) return;
-        const auto [fit, fastest] = window_fit.local()(local, samples, patches, fastest_of_patch,
-                                                       points.position[v], static_cast<int>(v));
+        const auto [fit, fastest] =
+            sufficient_window(points.position[v], static_cast<int>(v), local, patches, walk.local());
         const Vec3 tangential = fit.velocity - fit.velocity.dot(local.normal[v]) * local.normal[v];
         result.velocity[v] = local.normal_velocity[v] + limited(tangential, options.speed_limit * fastest);
         result.confidence[v] = confidence(fit.determined, options.damping);
