@@ -45,12 +45,11 @@ void add_run(CLI::App& app, CommandLine& line) {
   add_methods(*run, "--track", line.run.methods, "Velocity methods to track with (default: the scene's)");
   run->add_option("--duration", line.duration, "Simulated time in seconds (default: the scene's)")
       ->check(number_in("a number of seconds above 0", [](double value) { return value > 0; }));
-  add_minimiser(*run, "the scene's", [&line](Minimiser minimiser) { line.run.minimiser = minimiser; });
   add_formats(*run, line.run.formats);
   add_threads(*run, line.threads);
   run->add_flag("--force", line.run.force, "Replace the run that the folder already holds");
   run->add_flag("--quiet", line.run.quiet, "Print errors only");
-  for (const char* name : {"--out", "--track", "--duration", "--minimiser", "--format", "--force"})
+  for (const char* name : {"--out", "--track", "--duration", "--format", "--force"})
     resume->excludes(run->get_option(name));
   run->callback([scene, resume] {
     if (scene->empty() && resume->empty()) throw CLI::RequiredError("SCENE or --resume");

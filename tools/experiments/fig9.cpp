@@ -20,7 +20,6 @@ RunSummary run_all_methods(const ExperimentContext& context) {
   options.scene = context.file;
   options.folder = context.folder / "run";
   for (const VelocityMethod& method : velocity_methods()) options.methods.emplace_back(method.name);
-  options.minimiser = context.options.minimiser;
   options.keep_connectivity = true;  // as the paper's mesh
   options.threads = context.options.threads;
   options.force = true;  // the experiments' folder was checked already

@@ -23,7 +23,6 @@ namespace fs = std::filesystem;
 /// The scene of a text that was read from options.scene, as the options want it.
 Scene scene_for(const RunOptions& options, Scene scene) {
   if (options.duration) scene.duration = *options.duration;
-  if (options.minimiser) scene.surface.tracker.velocity.minimiser = *options.minimiser;
   if (options.keep_connectivity) scene.surface.remesh = false;
   if (!options.methods.empty()) scene.surface.methods = options.methods;
   return scene;

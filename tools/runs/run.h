@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "surface/motion/velocity.h"
 #include "tools/io/mesh_formats.h"
 #include "tools/runs/interrupt.h"
 #include "tools/runs/summary.h"
@@ -14,14 +13,13 @@
 namespace kappaflow {
 
 struct RunOptions {
-  std::filesystem::path scene;         ///< empty where a run is resumed: the copy in its folder
-  std::filesystem::path resume;        ///< folder of an interrupted run to go on with; empty: a new run
-  std::filesystem::path folder;        ///< empty: out/<name of the scene file>
-  std::vector<std::string> methods;    ///< empty: those of the scene
-  std::optional<double> duration;      ///< instead of the scene's [s]
-  std::optional<Minimiser> minimiser;  ///< instead of the scene's
-  bool keep_connectivity = false;      ///< no remeshing, whatever the scene says
-  std::vector<MeshFormat> formats;     ///< of further mesh files beside each surface's .vtp
+  std::filesystem::path scene;       ///< empty where a run is resumed: the copy in its folder
+  std::filesystem::path resume;      ///< folder of an interrupted run to go on with; empty: a new run
+  std::filesystem::path folder;      ///< empty: out/<name of the scene file>
+  std::vector<std::string> methods;  ///< empty: those of the scene
+  std::optional<double> duration;    ///< instead of the scene's [s]
+  bool keep_connectivity = false;    ///< no remeshing, whatever the scene says
+  std::vector<MeshFormat> formats;   ///< of further mesh files beside each surface's .vtp
   int threads = 1;
   bool force = false;                ///< replace a run that the folder already holds
   bool quiet = false;                ///< no progress, no summary
@@ -31,7 +29,7 @@ struct RunOptions {
   template <class Archive>
   void serialize(Archive& archive) {
     std::string file = scene.string();
-    archive(file, methods, duration, minimiser, keep_connectivity, formats);
+    archive(file, methods, duration, keep_connectivity, formats);
     scene = file;
   }
 };

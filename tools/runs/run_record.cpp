@@ -26,15 +26,10 @@ Json::Value list(const std::vector<std::string>& words) {
   return array;
 }
 
-Json::Value minimiser_record(Minimiser minimiser) {
-  return std::string(name_of(kMinimisers, minimiser));
-}
-
 Json::Value options_record(const RunOptions& options) {
   Json::Value record;
   record["methods"] = list(options.methods);
   record["duration"] = options.duration ? Json::Value(*options.duration) : Json::Value();
-  record["minimiser"] = options.minimiser ? minimiser_record(*options.minimiser) : Json::Value();
   record["force"] = options.force;
   record["quiet"] = options.quiet;
   return record;
@@ -66,7 +61,6 @@ Json::Value common_record(const std::vector<std::string>& command, int threads,
   record["seed"] = Json::Value();  // null: nothing in a run is random
   record["threads"] = threads;
   record["methods"] = list(surface.methods);
-  record["minimiser"] = minimiser_record(surface.tracker.velocity.minimiser);
   record["sigma"] = field.sigma;
   record["threshold"] = field.threshold;
   record["threshold_rule"] = surface.threshold ? "number" : "auto";
