@@ -89,7 +89,7 @@ void state_of_a_ball(benchmark::State& state) {
 BENCHMARK(state_of_a_ball)->Unit(benchmark::kMillisecond);
 
 /// Time of one evaluation on the vertices of a ball's surface, range(0) hundredths of sigma apart.
-void method(benchmark::State& state, const VelocityMethod& method, const VelocityOptions& options) {
+void method(benchmark::State& state, const VelocityMethod& method) {
   const tbb::global_control one_core(tbb::global_control::max_allowed_parallelism, 1);
   const std::shared_ptr<const Field> field = particle_field(ball(0), kField);
   const double spacing = 0.01 * static_cast<double>(state.range(0)) * kField.sigma;
@@ -97,23 +97,18 @@ void method(benchmark::State& state, const VelocityMethod& method, const Velocit
   const VertexRings rings = vertex_rings(mesh.vertex_count(), mesh.triangles);
   const std::vector<double> area = vertex_areas(mesh.position, mesh.triangles);
   SurfaceVelocities velocities;
-  for (auto _ : state) method.evaluate(*field, {mesh.position, area, rings}, options, velocities);
+  for (auto _ : state) method.evaluate(*field, {mesh.position, area, rings}, {}, velocities);
   state.counters["us_a_vertex"] =
       benchmark::Counter(1e-6 * static_cast<double>(mesh.vertex_count()),
                          benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
 const bool kMethodsRegistered = [] {
-  const auto add = [](const std::string& name, const VelocityMethod& m, const VelocityOptions& options) {
-    benchmark::RegisterBenchmark(name.c_str(), method, m, options)
+  for (const VelocityMethod& m : velocity_methods())
+    benchmark::RegisterBenchmark(("method/" + std::string(m.name)).c_str(), method, m)
         ->Arg(30)
         ->Arg(10)
         ->Unit(benchmark::kMillisecond);
-  };
-  for (const VelocityMethod& m : velocity_methods()) add("method/" + std::string(m.name), m, {});
-  for (const Named<Minimiser>& minimiser : kMinimisers)
-    add("minimiser/" + std::string(minimiser.name), velocity_method("curvature"),
-        {.minimiser = minimiser.value});
   return true;
 }();
 

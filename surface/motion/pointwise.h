@@ -68,9 +68,9 @@ PointVelocity with_tangential(const Vec3& normal_velocity, const TangentBasis& b
                               const TangentialRows<Rows>& rows, const Jet& jet,
                               const VelocityOptions& options) {
   const double fastest = jet.fastest_in_reach;
-  const TangentialMinimum minimum = minimise(rows, options.damping, fastest, options.minimiser);
-  const Vec3 tangential = basis * minimum.y;
-  return {normal_velocity + limited(tangential, options.speed_limit * fastest), minimum.confidence};
+  const DampedSolution solution = solve_damped(rows, options.damping);
+  const Vec3 tangential = basis * solution.y;
+  return {normal_velocity + limited(tangential, options.speed_limit * fastest), solution.confidence};
 }
 
 }  // namespace kappaflow

@@ -1,13 +1,12 @@
-// Rows of linear equations for the tangential velocity, and their damped least-squares solution: in closed
-// form, or with the minimisers that Fujisawa et al. 2011 name.
+// Rows of linear equations for the tangential velocity, and their damped least-squares solution in closed
+// form. Fujisawa et al. 2011 look for the same minimum by iteration: tools/experiments/tangential_minimum.h.
 #pragma once
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
 #include "core/types.h"
-#include "surface/motion/minimisers.h"
-#include "surface/motion/velocity.h"
 
 namespace kappaflow {
 
@@ -74,44 +73,6 @@ DampedSolution solve_damped(const TangentialRows<Rows>& rows, double lambda) {
   const double s0 = Q.col(0).squaredNorm(), s1 = Q.col(1).squaredNorm();
   const Vec2 in_v(damped(s0, Q.col(0).dot(rows.b)), damped(s1, Q.col(1).dot(rows.b)));
   return {V * in_v, confidence(std::sqrt(std::min(s0, s1)), lambda)};
-}
-
-/// The damped sum of squares and its gradient, in units of a speed: z = y / scale.
-template <int Rows>
-struct DampedSum {
-  double operator()(const Vec2& z) const {
-    return (rows.R * z - b).squaredNorm() + lambda * lambda * z.squaredNorm();
-  }
-  double operator()(const Vec2& z, Vec2& gradient) const {
-    gradient = 2 * (rows.R.transpose() * (rows.R * z - b) + lambda * lambda * z);
-    return (*this)(z);
-  }
-
-  const TangentialRows<Rows>& rows;
-  Eigen::Matrix<double, Rows, 1> b;  // rows.b / scale
-  double lambda;
-};
-
-/// The minimum of |R y - b|^2 + lambda^2 |y|^2.
-struct TangentialMinimum {
-  Vec2 y;             ///< [m/s]
-  double confidence;  ///< of solve_damped(), however y was found
-  int evaluations;    ///< of the sum; 1 for the closed form
-};
-
-/// Finds it from y = 0 by the chosen minimiser. scale: a speed that y is measured in, so that the minimiser's
-/// tolerances are dimensionless [m/s]; where it is 0 nothing moves, and any will do.
-template <int Rows>
-TangentialMinimum minimise(const TangentialRows<Rows>& rows, double lambda, double scale,
-                           Minimiser minimiser) {
-  const DampedSolution closed = solve_damped(rows, lambda);
-  if (minimiser == Minimiser::closed_form) return {closed.y, closed.confidence, 1};
-  const double unit = scale > 0 ? scale : 1;
-  const DampedSum<Rows> sum{rows, rows.b / unit, lambda};
-  const Vec2 start = Vec2::Zero();
-  const Minimum<2> minimum =
-      minimiser == Minimiser::bfgs ? minimise_bfgs<2>(sum, start) : minimise_powell<2>(sum, start);
-  return {unit * minimum.x, closed.confidence, minimum.evaluations};
 }
 
 }  // namespace kappaflow

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "core/connectivity.h"
-#include "core/named.h"
 #include "surface/field/field.h"
 
 namespace kappaflow {
@@ -25,14 +24,6 @@ struct SurfacePoints {
   const VertexRings& rings;        ///< one-ring neighbours
 };
 
-/// How the least squares of the tangential velocity are solved. All find the same minimum where it is well
-/// determined; the others are there to compare with (Fujisawa et al. 2011 used Powell's method).
-enum class Minimiser { closed_form, bfgs, powell };
-
-/// What scenes and the command line call them.
-inline constexpr Named<Minimiser> kMinimisers[] = {
-    {"closed-form", Minimiser::closed_form}, {"bfgs", Minimiser::bfgs}, {"powell", Minimiser::powell}};
-
 /// Options of the velocity methods.
 struct VelocityOptions {
   /// lambda of the damped least squares (R^T R + lambda^2 I) y = R^T b on the dimensionless rows. 0.1 suits
@@ -42,7 +33,6 @@ struct VelocityOptions {
   /// |v_t| of `regional` to that of its window. In a rotation the surface is faster than any particle centre:
   /// use 4 for few rotating particles.
   double speed_limit = 1;
-  Minimiser minimiser = Minimiser::closed_form;
 };
 
 /// What a method returns: one entry a point.

@@ -196,7 +196,6 @@ TEST(GoodScenes, EverySurfaceAndOutputKeyArrives) {
   EXPECT_EQ(surface.tracker.integrator, TimeIntegrator::rk4);
   EXPECT_EQ(surface.tracker.velocity.damping, 0.2);
   EXPECT_EQ(surface.tracker.velocity.speed_limit, 1.5);
-  EXPECT_EQ(surface.tracker.velocity.minimiser, Minimiser::powell);
   EXPECT_EQ(surface.tracker.projection.tolerance, 1e-5);
   EXPECT_EQ(surface.tracker.projection.step_limit, 0.3);
   EXPECT_EQ(surface.tracker.projection.reach, 0.9);

@@ -102,7 +102,6 @@ void add_probe(CLI::App& app, CommandLine& line) {
       ->check(number_in("a number", [](double) { return true; }));
   for (const VelocityMethod& method : velocity_methods()) line.probe.methods.emplace_back(method.name);
   add_methods(*probe, "--methods", line.probe.methods, "Velocity methods to evaluate (default: all)");
-  add_minimiser(*probe, "closed-form", [&line](Minimiser minimiser) { line.probe.minimiser = minimiser; });
   probe->footer(
       method_lines() + "\n" +
       footer("kappaflow probe out/staircase/particles/particles_0010.vtp points.csv --threshold 4.96 "
@@ -169,8 +168,6 @@ void add_experiment(CLI::App& app, CommandLine& line) {
       ->required();
   experiment->add_flag("--quick", line.experiment.quick,
                        "A smaller variant of each; the report says what is smaller");
-  add_minimiser(*experiment, "closed-form",
-                [&line](Minimiser minimiser) { line.experiment.minimiser = minimiser; });
   experiment->add_option("--scenes", line.experiment.scenes,
                          "Folder with the experiments' files (default: those that came with the program)");
   add_threads(*experiment, line.threads);

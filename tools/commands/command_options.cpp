@@ -23,12 +23,6 @@ std::vector<std::string_view> method_names() {
   return names;
 }
 
-std::vector<std::string_view> minimiser_names() {
-  std::vector<std::string_view> names;
-  for (const Named<Minimiser>& minimiser : kMinimisers) names.push_back(minimiser.name);
-  return names;
-}
-
 }  // namespace
 
 std::string footer(const std::string& example) {
@@ -84,21 +78,6 @@ void add_methods(CLI::App& command, const std::string& name, std::vector<std::st
       ->allow_extra_args(false)
       ->type_name("NAMES")
       ->check(one_of(method_names()));
-}
-
-void add_minimiser(CLI::App& command, const std::string& fallback,
-                   const std::function<void(Minimiser)>& set) {
-  const auto set_by_name = [set](const std::string& name) {
-    for (const Named<Minimiser>& minimiser : kMinimisers)
-      if (minimiser.name == name) set(minimiser.value);
-  };
-  command
-      .add_option_function<std::string>(
-          "--minimiser", set_by_name,
-          fmt::format("How least squares for velocities are solved: {} (default: {})",
-                      fmt::join(minimiser_names(), ", "), fallback))
-      ->type_name("NAME")
-      ->check(one_of(minimiser_names()));
 }
 
 void add_formats(CLI::App& command, std::vector<MeshFormat>& formats) {

@@ -30,9 +30,6 @@ void add_threads(CLI::App& command, int& threads);
 void add_methods(CLI::App& command, const std::string& name, std::vector<std::string>& methods,
                  const std::string& text);
 
-/// --minimiser; calls `set` where it is given. fallback: what help texts say of where it is not.
-void add_minimiser(CLI::App& command, const std::string& fallback, const std::function<void(Minimiser)>& set);
-
 /// --format: mesh files beside VTK's, which are always written.
 void add_formats(CLI::App& command, std::vector<MeshFormat>& formats);
 

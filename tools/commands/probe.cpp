@@ -71,12 +71,11 @@ std::string field_columns(const Field& field, const Vec3& x) {
   return line;
 }
 
-SurfaceVelocities velocities(const Field& field, const std::string& method, Minimiser minimiser,
-                             std::span<const Vec3> points) {
+SurfaceVelocities velocities(const Field& field, const std::string& method, std::span<const Vec3> points) {
   const std::vector<double> area(points.size(), 0);
   const VertexRings no_neighbours{std::vector<int>(points.size() + 1, 0), {}};
   SurfaceVelocities result;
-  velocity_method(method).evaluate(field, {points, area, no_neighbours}, {.minimiser = minimiser}, result);
+  velocity_method(method).evaluate(field, {points, area, no_neighbours}, {}, result);
   return result;
 }
 
@@ -89,7 +88,7 @@ std::string probe(const ProbeOptions& options) {
   std::vector<SurfaceVelocities> motions;
   for (const std::string& method : options.methods) {
     header += fmt::format(",v_{0}_x,v_{0}_y,v_{0}_z,confidence_{0}", method);
-    motions.push_back(velocities(field, method, options.minimiser, points));
+    motions.push_back(velocities(field, method, points));
   }
   std::string table = header + "\n";
   for (std::size_t i = 0; i < points.size(); ++i) {

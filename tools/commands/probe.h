@@ -5,8 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "surface/motion/velocity.h"
-
 namespace kappaflow {
 
 struct ProbeOptions {
@@ -15,7 +13,6 @@ struct ProbeOptions {
   std::filesystem::path points;      ///< .csv (x,y,z)
   double threshold = 0;              ///< T of Eq. 12
   std::vector<std::string> methods;  ///< names of velocity methods
-  Minimiser minimiser = Minimiser::closed_form;
 };
 
 /// A CSV table with a row a point, 17 digits. Curvatures are nan where the gradient of f vanishes.

@@ -8,12 +8,12 @@
 #include <numbers>
 
 #include "scenes/toml_reader.h"
-#include "surface/field/enright_flow.h"
 #include "surface/field/particle_motion.h"
 #include "surface/mesh/mesh_measures.h"
 #include "surface/mesh/self_intersection.h"
 #include "surface/remesh/initial_mesh.h"
 #include "tools/experiments/enright_body.h"
+#include "tools/experiments/enright_flow.h"
 #include "tools/io/files.h"
 #include "tools/io/vtp_files.h"
 #include "tools/pictures/picture.h"
@@ -82,7 +82,6 @@ EnrightOptions read_options(const ExperimentContext& context, bool particles, bo
   read_variant(quick_particles, true, of_particles);
   read_variant(quick_exact, false, of_exact);
   if (!quick_variant) options = full;
-  options.tracker.velocity.minimiser = context.options.minimiser.value_or(Minimiser::closed_form);
   if (options.steps % 2 != 0) ++options.steps;  // so that a step ends at half time
   return options;
 }

@@ -6,10 +6,10 @@
 #include <numbers>
 
 #include "core/parallel.h"
-#include "surface/field/enright_flow.h"
 #include "surface/field/particle_field.h"
 #include "surface/field/particle_weights.h"
 #include "surface/remesh/initial_mesh.h"
+#include "tools/experiments/enright_flow.h"
 
 namespace kappaflow {
 namespace {

@@ -14,7 +14,7 @@
 #include "tools/experiments/fig9.h"
 #include "tools/experiments/gravity_current.h"
 #include "tools/experiments/hydrostatic.h"
-#include "tools/experiments/minimisers.h"
+#include "tools/experiments/minimiser_comparison.h"
 #include "tools/experiments/motions.h"
 #include "tools/experiments/plane_flow.h"
 #include "tools/experiments/rigid_figures.h"

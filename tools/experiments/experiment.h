@@ -6,25 +6,22 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "surface/motion/velocity.h"
 #include "tools/pictures/report.h"
 
 namespace kappaflow {
 
 struct ExperimentOptions {
-  std::vector<std::string> names;      ///< of experiments, "all" or "validate"
-  std::filesystem::path folder;        ///< for the results
-  std::filesystem::path scenes;        ///< where the experiments' files lie; empty: those of the program
-  bool quick = false;                  ///< the smaller variant that each experiment's file describes
-  bool force = false;                  ///< replace the results that the folder already holds
-  bool quiet = false;                  ///< print errors only
-  std::optional<Minimiser> minimiser;  ///< of Eq. 10, instead of the closed form
+  std::vector<std::string> names;  ///< of experiments, "all" or "validate"
+  std::filesystem::path folder;    ///< for the results
+  std::filesystem::path scenes;    ///< where the experiments' files lie; empty: those of the program
+  bool quick = false;              ///< the smaller variant that each experiment's file describes
+  bool force = false;              ///< replace the results that the folder already holds
+  bool quiet = false;              ///< print errors only
   int threads = 1;
   std::vector<std::string> command;  ///< for the report
 };

@@ -65,8 +65,6 @@ MotionOptions motion_options(const ExperimentContext& context, bool quick_varian
   const int quick_frames = quick.integer("frames", 1, static_cast<int>(o.frames.size()), 1);
   quick.finish();
   if (quick_variant) o.frames.resize(quick_frames);
-  for (VelocityOptions* velocity : {&o.body_velocity, &o.flow_velocity})
-    velocity->minimiser = context.options.minimiser.value_or(Minimiser::closed_form);
   return o;
 }
 

@@ -39,7 +39,6 @@ void describe_smaller(const ExperimentContext& context, Chapter& chapter) {
 Chapter run_chapter(const ExperimentContext& context, const std::string& introduction) {
   Chapter chapter;
   chapter.experiment = read_rigid_experiment(context.file, context.options.quick);
-  chapter.experiment.tracker.velocity.minimiser = context.options.minimiser.value_or(Minimiser::closed_form);
   chapter.cases = run_rigid_experiment(chapter.experiment, context);
   chapter.report.name = context.name;
   chapter.report.title = chapter.experiment.title;

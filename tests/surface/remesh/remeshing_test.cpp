@@ -1,4 +1,5 @@
-// The invariants of remeshing: on surfaces that stretch, and in Enright's test.
+// The invariants of remeshing; tests/tools/experiments/enright_test.cpp has them in a flow that stretches a
+// surface.
 #include "surface/remesh/remeshing.h"
 
 #include <gtest/gtest.h>
@@ -7,17 +8,18 @@
 #include <numbers>
 #include <unordered_map>
 
-#include "surface/field/enright_flow.h"
 #include "surface/mesh/mesh_measures.h"
 #include "surface/mesh/self_intersection.h"
 #include "surface/remesh/initial_mesh.h"
 #include "surface/tracker/surface_tracker.h"
 #include "tests/surface/mesh/analytic_fields.h"
+#include "tests/surface/remesh/mesh_in_order.h"
 
 namespace kappaflow {
 namespace {
 
 using testing::EllipsoidField;
+using testing::expect_in_order;
 
 /// What a projection would leave, without moving anything.
 void set_gradient(const Field& field, TriangleMesh& mesh) {
@@ -25,66 +27,11 @@ void set_gradient(const Field& field, TriangleMesh& mesh) {
     mesh.gradient[v] = field.value_and_gradient(mesh.position[v]).g;
 }
 
-std::vector<Vec3> normals(const Field& field, const TriangleMesh& mesh) {
-  std::vector<Vec3> normal;
-  for (const Vec3& x : mesh.position) normal.emplace_back(-field.value_and_gradient(x).g.normalized());
-  return normal;
-}
-
-/// What must hold after every step on a smooth surface.
-void expect_in_order(const Field& field, const TriangleMesh& mesh, const MeshTopology& expected) {
-  const MeshTopology topology = mesh_topology(mesh.position, mesh.triangles);
-  EXPECT_EQ(topology.components, expected.components);
-  EXPECT_EQ(topology.genus, expected.genus);
-  EXPECT_EQ(folded_fraction(mesh.position, normals(field, mesh), mesh.triangles), 0);
-  EXPECT_EQ(self_intersections(mesh.position, mesh.triangles), 0u);
-  EXPECT_LE(angles_outside(mesh.position, mesh.triangles, 15, 140), 1e-3);
-  EXPECT_TRUE(std::ranges::is_sorted(mesh.id, std::less_equal{}));
-  EXPECT_LT(mesh.id.back(), mesh.next_id);
-  EXPECT_EQ(mesh.rest_position.size(), mesh.vertex_count());
-  for (const Vec3& x : mesh.position) {
-    const ValueAndGradient at = field.value_and_gradient(x);
-    EXPECT_LE(std::abs(at.f) / at.g.norm(), 1.001 * ProjectionOptions{}.tolerance * field.length_scale());
-  }
-}
-
 TrackerOptions with_remeshing(const char* method, double edge) {
   return {.method = method,
           .integrator = TimeIntegrator::rk4,
           .fairing = {.iterations = 0},
           .remeshing = {.edge_length = edge, .finest = 0.3}};
-}
-
-TEST(Remeshing, KeepsAStretchedSheetInOrderAndBringsItBack) {
-  // Half of the stretch that the test has at its half time, and back.
-  constexpr int kSteps = 24;
-  constexpr double kTurn = 0.8;
-  SurfaceTracker tracker(initial_mesh(EnrightField(0), 0.03, {}), with_remeshing("material", 0.03));
-  const double volume = area_and_volume(tracker.mesh().position, tracker.mesh().triangles).volume;
-  std::size_t splits = 0, collapses = 0, flips = 0;
-  for (int n = 0; n < kSteps; ++n) {
-    // The flow is steady but for its factor: going back is the time from the mirror image of kTurn on.
-    const bool back = n >= kSteps / 2;
-    const double dt = 2 * kTurn / kSteps, t = n * dt;
-    const double t0 = back ? EnrightFlow::kPeriod - 2 * kTurn + t : t;
-    EnrightMotion motion(t0, std::min(t0 + dt, EnrightFlow::kPeriod));
-    const TrackerStep step = tracker.step(motion);
-    EXPECT_EQ(step.unprojected, 0u);
-    splits += step.edits.splits;
-    collapses += step.edits.collapses;
-    flips += step.edits.flips;
-    expect_in_order(*motion.at(motion.t1()), tracker.mesh(), {1, 0});
-  }
-  EXPECT_GT(splits, 200u);
-  EXPECT_GT(collapses, 100u);
-  EXPECT_GT(flips, 200u);
-  const TriangleMesh& mesh = tracker.mesh();
-  EXPECT_NEAR(area_and_volume(mesh.position, mesh.triangles).volume / volume, 1, 2e-3);
-  // The map to the first mesh: its error is that of linear interpolation along edges, h^2 / (8 R) once.
-  double largest = 0;
-  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
-    largest = std::max(largest, (mesh.position[v] - mesh.rest_position[v]).norm());
-  EXPECT_LT(largest, 0.5 * 0.03);
 }
 
 TEST(Remeshing, LeavesAGoodMeshAlone) {

@@ -55,7 +55,7 @@ TEST_F(CommandLine, MistakesAreOneLineAndExitCodeTwo) {
       {{"run", kSmallScene, "--track", "total,bogus"}, 2, "found \"bogus\"; expected one of "},
       {{"run", kSmallScene, "--track", "total,total"}, 2, "\"total\" is named twice"},
       {{"run", kSmallScene, "--minimiser", "bfgs"}, 2, "unknown option \"--minimiser\""},
-      {{"probe", "a.csv", "b.csv", "--threshold", "1", "--minimiser", "simplex"}, 2, "found \"simplex\""},
+      {{"probe", "a.csv", "b.csv", "--threshold", "1", "--methods", "bogus"}, 2, "found \"bogus\""},
       {{"run", kSmallScene, "--colour"}, 2, "--colour"},
       {{"run", kSmallScene, "another"}, 2, "another"},
       {{"check"}, 2, "SCENE is required"},

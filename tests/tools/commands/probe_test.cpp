@@ -103,21 +103,6 @@ TEST_F(Probe, CsvAndVtpAgree) {
   EXPECT_EQ(probe({csv, points, 0.1, {"material"}}), probe({folder / "a.vtp", points, 0.1, {"material"}}));
 }
 
-TEST_F(Probe, EachMinimiserFindsTheSameVelocity) {
-  const auto particles =
-      file("a.csv", "x,y,z,vx,vy,vz,weight,sigma\n0,0.125,0,1,0.5,0,1,0.75\n0.25,0,0.5,0,-1,0.25,0.5,0.75\n");
-  const auto points = file("points.csv", "x,y,z\n0.3,0.1,0.2\n");
-  auto closed = table({particles, points, 0.1, {"curvature"}}).at(0);
-  for (const Minimiser minimiser : {Minimiser::bfgs, Minimiser::powell}) {
-    auto found = table({particles, points, 0.1, {"curvature"}, minimiser}).at(0);
-    for (const std::string column : {"v_curvature_x", "v_curvature_y", "v_curvature_z"}) {
-      EXPECT_NEAR(found.at(column), closed.at(column), 1e-5);
-      EXPECT_NE(found.at(column), closed.at(column)) << "another way to it, with another rounding";
-    }
-    EXPECT_EQ(found.at("confidence_curvature"), closed.at("confidence_curvature"));
-  }
-}
-
 TEST_F(Probe, OutOfReachHasNoCurvature) {
   const auto particles = file("particles.csv", "x,y,z,vx,vy,vz,weight,sigma\n0,0,0,1,0,0,1,1\n");
   auto row = table({particles, file("points.csv", "x,y,z\n5,0,0\n"), 0.5, {"total"}}).at(0);

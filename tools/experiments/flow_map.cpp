@@ -1,6 +1,6 @@
 // Cooper & Verner, "Some explicit Runge-Kutta methods of high order", SIAM J. Numer. Anal. 9, 1972; the table
 // is that of Hairer, Norsett & Wanner, "Solving Ordinary Differential Equations I", II.6.
-#include "surface/field/flow_map.h"
+#include "tools/experiments/flow_map.h"
 
 namespace kappaflow {
 

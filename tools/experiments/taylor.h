@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "surface/field/jet.h"
-#include "surface/field/taylor_terms.h"
+#include "tools/experiments/taylor_terms.h"
 
 namespace kappaflow {
 

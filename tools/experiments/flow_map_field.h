@@ -9,7 +9,7 @@
 #include "core/errors.h"
 #include "core/parallel.h"
 #include "surface/field/field.h"
-#include "surface/field/flow_map.h"
+#include "tools/experiments/flow_map.h"
 
 namespace kappaflow {
 

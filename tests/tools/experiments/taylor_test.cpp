@@ -1,4 +1,4 @@
-#include "surface/field/taylor.h"
+#include "tools/experiments/taylor.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "tools/experiments/minimisers.h"
+#include "tools/experiments/minimiser_comparison.h"
 
 #include <fmt/format.h>
 
@@ -14,6 +14,7 @@
 #include "surface/motion/total.h"
 #include "surface/remesh/initial_mesh.h"
 #include "tools/experiments/rigid_experiment.h"
+#include "tools/experiments/tangential_minimum.h"
 #include "tools/io/files.h"
 #include "tools/pictures/plot.h"
 #include "tools/runs/simulation.h"

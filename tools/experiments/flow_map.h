@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "surface/field/taylor.h"
+#include "tools/experiments/taylor.h"
 
 namespace kappaflow {
 

@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "surface/field/enright_flow.h"
+#include "surface/mesh/mesh_measures.h"
 #include "surface/remesh/initial_mesh.h"
 #include "surface/tracker/surface_tracker.h"
+#include "tests/surface/remesh/mesh_in_order.h"
+#include "tools/experiments/enright_flow.h"
 
 namespace kappaflow {
 namespace {
@@ -80,6 +82,42 @@ TEST(Enright, TrackerFollowsItWithTheSameBitsForAnyNumberOfThreads) {
     }
     EXPECT_EQ(result[0], result[1]) << method;
   }
+}
+
+TEST(Enright, RemeshingKeepsAStretchedSheetInOrderAndBringsItBack) {
+  // Half of the stretch that the test has at its half time, and back.
+  constexpr int kSteps = 24;
+  constexpr double kTurn = 0.8;
+  const TrackerOptions options{.method = "material",
+                               .integrator = TimeIntegrator::rk4,
+                               .fairing = {.iterations = 0},
+                               .remeshing = {.edge_length = 0.03, .finest = 0.3}};
+  SurfaceTracker tracker(initial_mesh(EnrightField(0), 0.03, {}), options);
+  const double volume = area_and_volume(tracker.mesh().position, tracker.mesh().triangles).volume;
+  std::size_t splits = 0, collapses = 0, flips = 0;
+  for (int n = 0; n < kSteps; ++n) {
+    // The flow is steady but for its factor: going back is the time from the mirror image of kTurn on.
+    const bool back = n >= kSteps / 2;
+    const double dt = 2 * kTurn / kSteps, t = n * dt;
+    const double t0 = back ? EnrightFlow::kPeriod - 2 * kTurn + t : t;
+    EnrightMotion motion(t0, std::min(t0 + dt, EnrightFlow::kPeriod));
+    const TrackerStep step = tracker.step(motion);
+    EXPECT_EQ(step.unprojected, 0u);
+    splits += step.edits.splits;
+    collapses += step.edits.collapses;
+    flips += step.edits.flips;
+    testing::expect_in_order(*motion.at(motion.t1()), tracker.mesh(), {1, 0});
+  }
+  EXPECT_GT(splits, 200u);
+  EXPECT_GT(collapses, 100u);
+  EXPECT_GT(flips, 200u);
+  const TriangleMesh& mesh = tracker.mesh();
+  EXPECT_NEAR(area_and_volume(mesh.position, mesh.triangles).volume / volume, 1, 2e-3);
+  // The map to the first mesh: its error is that of linear interpolation along edges, h^2 / (8 R) once.
+  double largest = 0;
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+    largest = std::max(largest, (mesh.position[v] - mesh.rest_position[v]).norm());
+  EXPECT_LT(largest, 0.5 * 0.03);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "surface/field/flow_map_field.h"
+#include "tools/experiments/flow_map_field.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -7,8 +7,8 @@
 #include <random>
 
 #include "surface/field/curvature.h"
-#include "surface/field/enright_flow.h"
 #include "tests/surface/mesh/analytic_fields.h"
+#include "tools/experiments/enright_flow.h"
 
 namespace kappaflow {
 namespace {

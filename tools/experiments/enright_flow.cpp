@@ -1,4 +1,4 @@
-#include "surface/field/enright_flow.h"
+#include "tools/experiments/enright_flow.h"
 
 namespace kappaflow {
 

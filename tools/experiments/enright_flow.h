@@ -3,7 +3,7 @@
 
 #include <numbers>
 
-#include "surface/field/flow_map_field.h"
+#include "tools/experiments/flow_map_field.h"
 
 namespace kappaflow {
 
