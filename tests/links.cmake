@@ -1,5 +1,6 @@
-# Fails when a link or picture of README.md, CHANGELOG.md or docs/*.md within the folder goes nowhere: its file is
-# missing, or the page has no such heading.
+# Fails when a link or picture of README.md, CHANGELOG.md, CONTRIBUTING.md or docs/*.md within the folder goes nowhere:
+# its file is missing, or the page has no such heading. In the source tree it fails as well where a page other than
+# CHANGELOG.md, which tells of the past, names a `path/in/the/source` that is not there.
 #   cmake -DFOLDER=... -P links.cmake
 cmake_minimum_required(VERSION 3.25)
 
@@ -28,12 +29,32 @@ function(read_anchors page)
   set(anchors "${anchors}" PARENT_SCOPE)
 endfunction()
 
+# Appends to `dead` what the page names between backticks that looks like a path of the source and is none. Words in
+# capitals stand for names of any kind.
+function(check_paths page)
+  string(REGEX MATCHALL "`(core|solver|surface|scenes|tools|tests|docs|examples|cmake)/[^` \n]*" paths "${text}")
+  foreach(path IN LISTS paths)
+    string(SUBSTRING "${path}" 1 -1 path)
+    string(REGEX REPLACE "/[A-Z]*$" "" path "${path}")
+    file(GLOB found ${FOLDER}/${path})
+    if(found STREQUAL "")
+      list(APPEND dead "${page}: `${path}`")
+    endif()
+    math(EXPR checked "${checked} + 1")
+  endforeach()
+  set(dead "${dead}" PARENT_SCOPE)
+  set(checked ${checked} PARENT_SCOPE)
+endfunction()
+
 set(checked 0)
 set(dead "")
-file(GLOB pages ${FOLDER}/README.md ${FOLDER}/CHANGELOG.md ${FOLDER}/docs/*.md)
+file(GLOB pages ${FOLDER}/README.md ${FOLDER}/CHANGELOG.md ${FOLDER}/CONTRIBUTING.md ${FOLDER}/docs/*.md)
 foreach(page IN LISTS pages)
   read_page(${page})
   get_filename_component(folder ${page} DIRECTORY)
+  if(EXISTS ${FOLDER}/core AND NOT page MATCHES "CHANGELOG.md$")
+    check_paths(${page})
+  endif()
   string(REGEX REPLACE "`[^`\n]*`" "" text "${text}")
   string(REGEX MATCHALL "@LINK\\([^) \n]*\\)" links "${text}")
   foreach(link IN LISTS links)
@@ -60,8 +81,8 @@ foreach(page IN LISTS pages)
 endforeach()
 list(JOIN dead "\n" text)
 if(NOT dead STREQUAL "")
-  message(FATAL_ERROR "dead links:\n${text}")
+  message(FATAL_ERROR "dead links and paths:\n${text}")
 elseif(checked EQUAL 0)
   message(FATAL_ERROR "${FOLDER}: no links found")
 endif()
-message("${checked} links")
+message("${checked} links and paths")
