@@ -1,13 +1,11 @@
 #include "tests/surface/reference_data.h"
 
-#include <fmt/format.h>
 #include <vtk_jsoncpp.h>
 
 #include <fstream>
 #include <stdexcept>
 
 #include "surface/field/particle_weights.h"
-#include "tools/io/particle_file.h"
 
 namespace kappaflow::testing {
 
@@ -100,15 +98,6 @@ Body read_body_of_seven() {
   for (const Json::Value& p : v["particles"])
     add_particle(body.particles, vector(p["center"]), Vec3::Zero(), number(p["sigma"]), number(p["weight"]));
   body.threshold = number(v["threshold"]);
-  return body;
-}
-
-Body read_staircase_frame(int frame) {
-  Body body;
-  body.particles = read_particle_file(
-      fmt::format("{}/scenes/experiments/data/staircase_frame_{:02}.vtp", KAPPAFLOW_SOURCE_DIR, frame));
-  body.threshold =
-      half_median_threshold(body.particles.position, body.particles.weight, body.particles.sigma.front());
   return body;
 }
 

@@ -33,10 +33,6 @@ Body read_body175();
 /// Seven unequal particles.
 Body read_body_of_seven();
 
-/// Frame 5, 12, 25 or 40 of scenes/experiments/data: 2,160 particles of a viscous flow, sigma = 0.127 m
-/// (two spacings), w = 1, half-median threshold.
-Body read_staircase_frame(int frame);
-
 /// Gives every particle the velocity that velocity_at(position) says.
 template <class VelocityAt>
 void set_velocities(FieldParticles& particles, const VelocityAt& velocity_at) {

@@ -11,7 +11,7 @@
 #include "surface/mesh/mesh_measures.h"
 #include "tests/surface/field/random_particles.h"
 #include "tests/surface/mesh/analytic_fields.h"
-#include "tests/surface/reference_data.h"
+#include "tests/surface/motion/staircase_frame.h"
 
 namespace kappaflow {
 namespace {

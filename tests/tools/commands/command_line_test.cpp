@@ -4,7 +4,7 @@
 
 #include "core/version.h"
 #include "surface/motion/velocity.h"
-#include "tests/tools/commands/program.h"
+#include "tests/tools/program.h"
 #include "tests/tools/scratch.h"
 
 namespace kappaflow {

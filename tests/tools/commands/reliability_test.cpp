@@ -10,12 +10,12 @@
 
 #include "core/stopwatch.h"
 #include "surface/motion/velocity.h"
-#include "tests/tools/commands/program.h"
+#include "tests/tools/program.h"
 #include "tests/tools/everything_scene.h"
 #include "tests/tools/full_disk.h"
 #include "tests/tools/scratch.h"
 #include "tests/tools/text_table.h"
-#include "tests/tools/vtk_reader.h"
+#include "tests/vtk_reader.h"
 
 namespace kappaflow {
 namespace {

@@ -9,10 +9,10 @@
 #include <set>
 
 #include "scenes/scene.h"
-#include "tests/tools/commands/program.h"
+#include "tests/tools/program.h"
 #include "tests/tools/scratch.h"
 #include "tests/tools/text_table.h"
-#include "tests/tools/vtk_reader.h"
+#include "tests/vtk_reader.h"
 #include "tools/runs/metrics.h"
 #include "tools/runs/run_record.h"
 #include "tools/runs/timings.h"

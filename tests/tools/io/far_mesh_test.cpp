@@ -11,7 +11,7 @@
 #include "surface/mesh/mesh_measures.h"
 #include "tests/tools/scratch.h"
 #include "tests/tools/sequence_files.h"
-#include "tests/tools/vtk_reader.h"
+#include "tests/vtk_reader.h"
 #include "tools/io/glb.h"
 #include "tools/io/vtp_files.h"
 #include "tools/runs/track.h"

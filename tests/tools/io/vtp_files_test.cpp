@@ -10,7 +10,7 @@
 
 #include "core/errors.h"
 #include "tests/tools/scratch.h"
-#include "tests/tools/vtk_reader.h"
+#include "tests/vtk_reader.h"
 #include "tools/io/files.h"
 
 namespace kappaflow {

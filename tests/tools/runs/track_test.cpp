@@ -17,7 +17,7 @@
 #include "tests/tools/scratch.h"
 #include "tests/tools/sequence_files.h"
 #include "tests/tools/text_table.h"
-#include "tests/tools/vtk_reader.h"
+#include "tests/vtk_reader.h"
 #include "tools/io/vtp_files.h"
 
 namespace kappaflow {

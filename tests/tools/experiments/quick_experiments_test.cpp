@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <optional>
 
-#include "tests/tools/commands/program.h"
+#include "tests/tools/program.h"
 #include "tests/tools/scratch.h"
 #include "tests/tools/text_table.h"
 

@@ -1,4 +1,4 @@
-#include "tests/tools/commands/program.h"
+#include "tests/tools/program.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "tests/tools/vtk_reader.h"
+#include "tests/vtk_reader.h"
 
 #include <vtkXMLPolyDataReader.h>
 
