@@ -83,143 +83,204 @@ double furthest(const Particles& p, const Vec3& center) {
   return distance;
 }
 
-/// whole: the duration of what is not the quick variant [s].
-Report chapter(const ExperimentContext& context, const Scene& scene, double whole, std::string introduction) {
+// What is claimed.
+
+const Claim kDropKeepsLinear{"Newton", "A free drop keeps its linear momentum.",
+                             "Largest change over the mean speed of its particles."};
+const Claim kDropKeepsAngular{"Newton", "A free drop keeps its angular momentum.",
+                              "Largest relative change, about its centre of mass."};
+const Claim kDropStaysWhole{"kappaflow", "Surface tension holds the spinning drop together.",
+                            "Furthest particle over the radius, at the end."};
+const Claim kBasinStaysAtRest{"hydrostatics", "A liquid at rest stays at rest.",
+                              "Speeds over sqrt(g h), the largest of all times."};
+const Claim kBasinIsNotStirred{
+    "hydrostatics", "Walls do not stir it.",
+    "Mean kinetic energy of the last third over that of the second, or over what is noise."};
+const Claim kNotFasterThanFree{"energy", "No particle becomes faster than free fall makes it.",
+                               "Fastest particle over sqrt(v0^2 + 2 g drop), drop from the highest "
+                               "particle at the start to the lowest "
+                               "one now; the largest of all times."};
+
+/// A row of numbers a time step, the time first.
+using History = std::vector<std::vector<double>>;
+
+Curve curve_of(const History& history, const std::string& name, std::size_t column) {
+  Curve curve{name, {}};
+  for (const std::vector<double>& row : history) curve.points.emplace_back(row[0], row[column]);
+  return curve;
+}
+
+/// The scene of a validation, and how long it is simulated.
+struct ScenePart {
+  Scene scene;
+  double whole;  ///< the duration of what is not the quick variant [s]
+};
+
+/// shorter: how many times the quick variant is.
+ScenePart scene_part(const ExperimentContext& context, double shorter) {
+  ScenePart part{load_scene(context.file), 0};
+  part.whole = part.scene.duration;
+  if (context.options.quick) part.scene.duration /= shorter;
+  return part;
+}
+
+Report chapter(const ExperimentContext& context, const ScenePart& part, std::string introduction) {
   Report report;
-  add_smaller(report, "duration", fmt::format("{:.3g} s", scene.duration), fmt::format("{:.3g} s", whole));
+  add_smaller(report, "duration", fmt::format("{:.3g} s", part.scene.duration),
+              fmt::format("{:.3g} s", part.whole));
   report.name = context.name;
-  report.title = scene.title;
+  report.title = part.scene.title;
   report.introduction = std::move(introduction);
   report.files = {"history.csv", context.name + ".gp"};
   return report;
 }
 
-}  // namespace
+void write_history(const ExperimentContext& context, const History& history, const std::string& header,
+                   const Plot& plot) {
+  draw_plots(context.folder, context.name, std::vector{plot});
+  write_file(context.folder / "history.csv", csv_text(header, history));
+}
 
-Report validate_drop(const ExperimentContext& context) {
-  Scene scene = load_scene(context.file);
-  const double whole = scene.duration;
-  if (context.options.quick) scene.duration /= 5;
-  context.say("spinning");
+struct DropResult {
+  std::size_t particles = 0;
+  History history;  ///< time, change of momentum, of angular momentum, reach, kinetic energy
+  double linear_error = 0, angular_error = 0;  ///< the largest
+  double reach = 0;                            ///< of the furthest particle at the end, over the radius
+};
+
+DropResult run_drop(const Scene& scene) {
   const double radius = std::get<SphereShape>(scene.blocks.front().shape).radius;
   FluidSolver liquid = spinning_drop(scene);
   const Particles before = liquid.particles();
   const Momenta start = momenta(before);
   const double scale = mean_speed(before);
-  std::vector<std::vector<double>> rows;
-  Curve linear{"linear", {}}, angular{"angular", {}};
-  double linear_error = 0, angular_error = 0, reach = 0;
+  DropResult r;
+  r.particles = liquid.size();
   advance(liquid, scene.duration, [&](const FluidStep&) {
     const Particles p = liquid.particles();
     const Momenta now = momenta(p);
     const double d = (now.linear - start.linear).norm() / scale,
                  a = (now.angular - start.angular).norm() / start.angular.norm();
-    linear_error = std::max(linear_error, d);
-    angular_error = std::max(angular_error, a);
-    reach = furthest(p, now.center) / radius;
-    linear.points.emplace_back(p.time, d);
-    angular.points.emplace_back(p.time, a);
-    rows.push_back({p.time, d, a, reach, kinetic_energy(p)});
+    r.linear_error = std::max(r.linear_error, d);
+    r.angular_error = std::max(r.angular_error, a);
+    r.reach = furthest(p, now.center) / radius;
+    r.history.push_back({p.time, d, a, r.reach, kinetic_energy(p)});
   });
-  draw_plots(context.folder, context.name,
-             std::vector{Plot{
-                 "Change of a drop's momentum", "t [s]", "relative to the start", {linear, angular}, true}});
-  write_file(context.folder / "history.csv",
-             csv_text("time,linear_error,angular_error,reach,kinetic_energy", rows));
-  Report report = chapter(
-      context, scene, whole,
-      fmt::format("`{}`: {} particles, {} steps; the drop spins with rho omega^2 R^3 / (8 sigma) = {}.",
-                  context.file.filename().string(), liquid.size(), rows.size(), kRotationalBond));
-  report.statements = {
-      within_limits("Newton", "A free drop keeps its linear momentum.", {{"", linear_error, kMomentumLimit}},
-                    "Largest change over the mean speed of its particles."),
-      within_limits("Newton", "A free drop keeps its angular momentum.", {{"", angular_error, kAngularLimit}},
-                    "Largest relative change, about its centre of mass."),
-      within_limits("kappaflow", "Surface tension holds the spinning drop together.",
-                    {{"", reach, kRadiusLimit}}, "Furthest particle over the radius, at the end.")};
-  report.figures = {{context.name + ".png", "What rounding takes from the momentum."}};
-  return report;
+  return r;
 }
 
-Report validate_basin(const ExperimentContext& context) {
-  Scene scene = load_scene(context.file);
-  const double whole = scene.duration;
-  if (context.options.quick) scene.duration /= 3;
-  context.say("resting");
+struct BasinResult {
+  std::size_t particles = 0;
+  History history;  ///< time, fastest and mean speed, kinetic energy; in units of sqrt(g h) and g h
+  double fastest = 0, mean = 0;  ///< the largest after the first third
+  Vec2 energy = Vec2::Zero();    ///< times seconds, of the second and of the last third
+};
+
+BasinResult run_basin(const Scene& scene) {
   FluidSolver liquid = make_liquid(scene);
   const double depth = std::get<BoxShape>(scene.blocks.back().shape).upper.y(),
                potential = scene.fluid.gravity.norm() * depth, speed_unit = std::sqrt(potential);
-  std::vector<std::vector<double>> rows;
-  Curve fastest{"fastest", {}}, mean{"mean", {}};
-  double fastest_at_rest = 0, mean_at_rest = 0;
-  Vec2 energy = Vec2::Zero();  // times seconds, of the second and of the last third
+  BasinResult r;
+  r.particles = liquid.size();
   advance(liquid, scene.duration, [&](const FluidStep& step) {
     const Particles p = liquid.particles();
     const double top = step.fastest / speed_unit, average = mean_speed(p) / speed_unit,
                  kinetic = kinetic_energy(p) / potential;
-    fastest.points.emplace_back(p.time, top);
-    mean.points.emplace_back(p.time, average);
-    rows.push_back({p.time, top, average, kinetic});
+    r.history.push_back({p.time, top, average, kinetic});
     const double third = 3 * p.time / scene.duration;
     if (third <= 1) return;
-    energy[third > 2] += kinetic * step.time_step;
-    fastest_at_rest = std::max(fastest_at_rest, top);
-    mean_at_rest = std::max(mean_at_rest, average);
+    r.energy[third > 2] += kinetic * step.time_step;
+    r.fastest = std::max(r.fastest, top);
+    r.mean = std::max(r.mean, average);
   });
-  draw_plots(
-      context.folder, context.name,
-      std::vector{Plot{"Speeds of a liquid at rest", "t [s]", "speed / sqrt(g h)", {fastest, mean}, true}});
-  write_file(context.folder / "history.csv", csv_text("time,fastest,mean,kinetic_energy", rows));
-  Report report = chapter(context, scene, whole,
-                          fmt::format("`{}`: {} particles for {:.3g} s; the first third is left out.",
-                                      context.file.filename().string(), liquid.size(), scene.duration));
-  const double noise = kLeastEnergy * scene.duration / 3;
-  report.statements = {
-      within_limits("hydrostatics", "A liquid at rest stays at rest.",
-                    {{"fastest", fastest_at_rest, kFastestAtRest}, {"mean", mean_at_rest, kMeanAtRest}},
-                    "Speeds over sqrt(g h), the largest of all times."),
-      within_limits("hydrostatics", "Walls do not stir it.",
-                    {{"", energy[1] / std::max(energy[0], noise), kEnergyGrowth}},
-                    "Mean kinetic energy of the last third over that of the second, or over what is noise.")};
-  report.figures = {{context.name + ".png", "The fastest particle and the mean."}};
-  return report;
+  return r;
 }
 
-Report validate_falling(const ExperimentContext& context) {
-  Scene scene = load_scene(context.file);
-  const double whole = scene.duration;
-  if (context.options.quick) scene.duration /= 2;
-  context.say("falling");
+struct FallingResult {
+  std::size_t particles = 0;
+  History history;  ///< time, fastest speed, that of free fall [m/s], compression, time step [s], iterations
+  double fastest = 0;      ///< over free fall
+  double compression = 0;  ///< of a particle, the largest
+};
+
+FallingResult run_falling(const Scene& scene) {
   FluidSolver liquid = make_liquid(scene);
   const double g = scene.fluid.gravity.norm(), start = scene.blocks.front().velocity.norm();
-  double highest = -1e300, largest = 0, compression = 0;
+  double highest = -1e300;
   for (const Vec3& x : liquid.particles().position) highest = std::max(highest, x.y());
-  std::vector<std::vector<double>> rows;
-  Curve fastest{"fastest particle", {}}, free_fall{"free fall", {}};
+  FallingResult r;
+  r.particles = liquid.size();
   advance(liquid, scene.duration, [&](const FluidStep& step) {
     const Particles p = liquid.particles();
     double lowest = highest;
     for (const Vec3& x : p.position) lowest = std::min(lowest, x.y());
     const double free = std::sqrt(start * start + 2 * g * (highest - lowest));
-    largest = std::max(largest, step.fastest / free);
-    compression = std::max(compression, step.density_error_max);
-    fastest.points.emplace_back(p.time, step.fastest);
-    free_fall.points.emplace_back(p.time, free);
-    rows.push_back({p.time, step.fastest, free, step.density_error_max, step.time_step,
-                    static_cast<double>(step.density_iterations)});
+    r.fastest = std::max(r.fastest, step.fastest / free);
+    r.compression = std::max(r.compression, step.density_error_max);
+    r.history.push_back({p.time, step.fastest, free, step.density_error_max, step.time_step,
+                         static_cast<double>(step.density_iterations)});
   });
-  draw_plots(context.folder, context.name,
-             std::vector{Plot{"Thin liquid falls off stairs", "t [s]", "speed [m/s]", {fastest, free_fall}}});
-  write_file(context.folder / "history.csv",
-             csv_text("time,fastest,free_fall,compression_max,time_step,density_iterations", rows));
-  Report report = chapter(context, scene, whole,
+  return r;
+}
+
+}  // namespace
+
+Report validate_drop(const ExperimentContext& context) {
+  const ScenePart part = scene_part(context, 5);
+  context.say("spinning");
+  const DropResult r = run_drop(part.scene);
+  write_history(context, r.history, "time,linear_error,angular_error,reach,kinetic_energy",
+                {"Change of a drop's momentum",
+                 "t [s]",
+                 "relative to the start",
+                 {curve_of(r.history, "linear", 1), curve_of(r.history, "angular", 2)},
+                 true});
+  Report report = chapter(
+      context, part,
+      fmt::format("`{}`: {} particles, {} steps; the drop spins with rho omega^2 R^3 / (8 sigma) = {}.",
+                  context.file.filename().string(), r.particles, r.history.size(), kRotationalBond));
+  report.statements = {within_limits(kDropKeepsLinear, {{"", r.linear_error, kMomentumLimit}}),
+                       within_limits(kDropKeepsAngular, {{"", r.angular_error, kAngularLimit}}),
+                       within_limits(kDropStaysWhole, {{"", r.reach, kRadiusLimit}})};
+  report.figures = {{context.name + ".png", "What rounding takes from the momentum."}};
+  return report;
+}
+
+Report validate_basin(const ExperimentContext& context) {
+  const ScenePart part = scene_part(context, 3);
+  context.say("resting");
+  const BasinResult r = run_basin(part.scene);
+  write_history(context, r.history, "time,fastest,mean,kinetic_energy",
+                {"Speeds of a liquid at rest",
+                 "t [s]",
+                 "speed / sqrt(g h)",
+                 {curve_of(r.history, "fastest", 1), curve_of(r.history, "mean", 2)},
+                 true});
+  Report report = chapter(context, part,
+                          fmt::format("`{}`: {} particles for {:.3g} s; the first third is left out.",
+                                      context.file.filename().string(), r.particles, part.scene.duration));
+  const double noise = kLeastEnergy * part.scene.duration / 3;
+  report.statements = {
+      within_limits(kBasinStaysAtRest,
+                    {{"fastest", r.fastest, kFastestAtRest}, {"mean", r.mean, kMeanAtRest}}),
+      within_limits(kBasinIsNotStirred, {{"", r.energy[1] / std::max(r.energy[0], noise), kEnergyGrowth}})};
+  report.figures = {{context.name + ".png", "The fastest particle and the mean."}};
+  return report;
+}
+
+Report validate_falling(const ExperimentContext& context) {
+  const ScenePart part = scene_part(context, 2);
+  context.say("falling");
+  const FallingResult r = run_falling(part.scene);
+  write_history(context, r.history, "time,fastest,free_fall,compression_max,time_step,density_iterations",
+                {"Thin liquid falls off stairs",
+                 "t [s]",
+                 "speed [m/s]",
+                 {curve_of(r.history, "fastest particle", 1), curve_of(r.history, "free fall", 2)}});
+  Report report = chapter(context, part,
                           fmt::format("`{}`: {} particles; largest compression of a particle {:.3g} %.",
-                                      context.file.filename().string(), liquid.size(), 100 * compression));
-  report.statements = {within_limits("energy", "No particle becomes faster than free fall makes it.",
-                                     {{"", largest, kFasterThanFree}},
-                                     "Fastest particle over sqrt(v0^2 + 2 g drop), drop from the highest "
-                                     "particle at the start to the lowest "
-                                     "one now; the largest of all times.")};
+                                      context.file.filename().string(), r.particles, 100 * r.compression));
+  report.statements = {within_limits(kNotFasterThanFree, {{"", r.fastest, kFasterThanFree}})};
   report.figures = {{context.name + ".png", "The fastest particle, and a free fall from the highest one."}};
   return report;
 }

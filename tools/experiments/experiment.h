@@ -2,7 +2,8 @@
 // and validations of the solver.
 //
 // To add an experiment, write one function of type ExperimentFunction and add its row to the table in
-// experiment.cpp.
+// experiment.cpp. Its source has, in this order: the limits; what is claimed, as Claims; what it measures;
+// and judge(), which holds the measured numbers against the limits. Numbers of others: peers.h.
 #pragma once
 
 #include <filesystem>
@@ -43,16 +44,17 @@ void add_smaller(Report& report, const std::string& what, const std::string& has
 /// chapter are relative to context.folder.
 using ExperimentFunction = Report (*)(const ExperimentContext&);
 
+/// A row of the table of experiments.
 struct Experiment {
   std::string_view name;
   std::string_view file;     ///< relative to the folder of scenes
   std::string_view summary;  ///< one line for help texts
   ExperimentFunction run;
   std::string_view quick_file = {};  ///< of the quick variant; empty: its file's table [quick] describes that
-  bool part_of_all =
-      true;  ///< of "all" without --quick; the others take long. Validations are never part of "all"
+  bool part_of_all = true;           ///< without --quick; validations are never part of "all"
 };
 
+/// All of them, in the order in which help texts list them and "all" runs them.
 std::span<const Experiment> experiments();
 
 /// Runs the experiments and writes report.md and report.html. Throws InvalidInput for an unknown name or a

@@ -13,7 +13,34 @@
 namespace kappaflow {
 namespace {
 
-constexpr const char* kFigure9 = "Fujisawa et al. 2011, Fig. 9";
+// Limits.
+constexpr double kRotationOff = 0.2;                         // of the material's; Eq. 10 follows within it
+constexpr double kRegionalSlipShare = 0.25;                  // regional's slip over total's and over Eq. 10's
+constexpr double kLeastCaptured = 0.9, kMostCaptured = 1.1;  // of the material's rotation, by regional
+constexpr double kDistanceShare = 1.0 / 3;                   // regional's tracer distance over Eq. 10's
+constexpr double kPlottedRotation =
+    3;  // more is of frames in which the material hardly turns, and sets the scale
+
+// What is claimed.
+
+const Claim kFollowsRolling{
+    "Fujisawa et al. 2011, Fig. 9",
+    "Curvature invariance follows the rolling of the liquid, total velocity does not.",
+    "Total velocity keeps normals, which a rolling body does not."};
+const Claim kSlipsLess{"Fujisawa et al. 2011, Fig. 9",
+                       "Curvature invariance moves the surface with the liquid better than total velocity.",
+                       "0 is perfect, 1 is no better than not moving along the surface at all."};
+const Claim kRegionalSlipsLess{
+    "kappaflow", "The regional velocity slips at most a quarter as much as total and as Eq. 10.",
+    "It knows how the field answers a strain of the material, and asks a neighbourhood."};
+const Claim kRegionalRolls{"kappaflow", "The regional velocity captures 0.9 to 1.1 of the rotation.",
+                           "See above."};
+const Claim kRegionalStaysNear{
+    "kappaflow",
+    "At the end the regional velocity's vertices are at most a third as far from their material as Eq. 10's.",
+    "Fairing that holds confident vertices helps Eq. 10 more than it helps the regional velocity; with the "
+    "paper's "
+    "fairing, which moves every vertex, both drift further, Eq. 10 by more."};
 
 RunSummary run_all_methods(const ExperimentContext& context) {
   RunOptions options;
@@ -93,9 +120,8 @@ void add_plots(const RunSummary& run, const ExperimentContext& context, Report& 
       plot_over_time(run, "Slip against the material", "slip [1]",
                      [&](const SurfaceMetrics& m) { return number(m.slip); }),
       plot_over_time(run, "Rotation captured", "surface over material [1]", [&](const SurfaceMetrics& m) {
-        // Frames in which the material hardly turns say nothing and would set the scale.
         const double captured = number(m.rotation_captured);
-        return std::abs(captured) < 3 ? captured : std::nan("");
+        return std::abs(captured) < kPlottedRotation ? captured : std::nan("");
       })};
   draw_plots(context.folder, "fig9-motion", motion);
   const std::vector<Plot> mesh{
@@ -125,52 +151,43 @@ void add_pictures(const RunSummary& run, const ExperimentContext& context, Repor
   }
 }
 
+/// One method over the whole run: medians over its frames, and the distance at the end [sigma].
+struct Followed {
+  double slip, rotation, distance;
+};
+
+Followed followed(const RunSummary& run, std::string_view name) {
+  const MethodSummary& method = *std::ranges::find(run.methods, name, &MethodSummary::name);
+  const double nan = std::nan("");
+  return {median_of(method.frames, &SurfaceMetrics::slip).value_or(nan),
+          median_of(method.frames, &SurfaceMetrics::rotation_captured).value_or(nan),
+          method.frames.back().tracer_distance.value_or(nan)};
+}
+
 void judge(const RunSummary& run, Report& report) {
-  const auto of = [&](std::string_view name) -> const MethodSummary& {
-    return *std::ranges::find(run.methods, name, &MethodSummary::name);
-  };
-  const auto value = [&](std::string_view name, std::optional<double> SurfaceMetrics::*member) {
-    return median_of(of(name).frames, member).value_or(std::nan(""));
-  };
-  const double slip_total = value("total", &SurfaceMetrics::slip),
-               slip_curvature = value("curvature", &SurfaceMetrics::slip),
-               rotation_total = value("total", &SurfaceMetrics::rotation_captured),
-               rotation_curvature = value("curvature", &SurfaceMetrics::rotation_captured);
-  report.statements.push_back(
-      judged(kFigure9, "Curvature invariance follows the rolling of the liquid, total velocity does not.",
-             fmt::format("rotation captured, median: total {:.3f}, curvature {:.3f}", rotation_total,
-                         rotation_curvature),
-             {{"curvature within 20 % of the material's rotation", std::abs(rotation_curvature - 1) < 0.2},
-              {"total off by more", std::abs(rotation_total - 1) > std::abs(rotation_curvature - 1)}},
-             "Total velocity keeps normals, which a rolling body does not."));
-  report.statements.push_back(
-      judged(kFigure9, "Curvature invariance moves the surface with the liquid better than total velocity.",
-             fmt::format("slip, median: total {:.3f}, curvature {:.3f}", slip_total, slip_curvature),
-             {{"curvature slips less", slip_curvature < slip_total}},
-             "0 is perfect, 1 is no better than not moving along the surface at all."));
-  const double slip_regional = value("regional", &SurfaceMetrics::slip),
-               rotation_regional = value("regional", &SurfaceMetrics::rotation_captured);
-  report.statements.push_back(
-      judged("kappaflow", "The regional velocity slips at most a quarter as much as total and as Eq. 10.",
-             fmt::format("slip, median: total {:.3f}, Eq. 10 {:.3f}, regional {:.3f}", slip_total,
-                         slip_curvature, slip_regional),
-             {{"against total", slip_regional <= 0.25 * slip_total},
-              {"against Eq. 10", slip_regional <= 0.25 * slip_curvature}},
-             "It knows how the field answers a strain of the material, and asks a neighbourhood."));
-  report.statements.push_back(
-      judged("kappaflow", "The regional velocity captures 0.9 to 1.1 of the rotation.",
-             fmt::format("rotation captured, median: {:.3f}", rotation_regional),
-             {{"", rotation_regional >= 0.9 && rotation_regional <= 1.1}}, "See above."));
-  const double far_regional = of("regional").frames.back().tracer_distance.value_or(std::nan("")),
-               far_curvature = of("curvature").frames.back().tracer_distance.value_or(std::nan(""));
-  report.statements.push_back(judged(
-      "kappaflow",
-      "At the end the regional velocity's vertices are at most a third as far from their material as Eq. "
-      "10's.",
-      fmt::format("mean distance [sigma]: Eq. 10 {:.3f}, regional {:.3f}", far_curvature, far_regional),
-      {{"", far_regional <= far_curvature / 3}},
-      "Fairing that holds confident vertices helps Eq. 10 more than it helps the regional velocity; with the "
-      "paper's fairing, which moves every vertex, both drift further, Eq. 10 by more."));
+  const Followed total = followed(run, "total"), curvature = followed(run, "curvature"),
+                 regional = followed(run, "regional");
+  report.statements = {
+      judged(kFollowsRolling,
+             fmt::format("rotation captured, median: total {:.3f}, curvature {:.3f}", total.rotation,
+                         curvature.rotation),
+             {{"curvature within 20 % of the material's rotation",
+               std::abs(curvature.rotation - 1) < kRotationOff},
+              {"total off by more", std::abs(total.rotation - 1) > std::abs(curvature.rotation - 1)}}),
+      judged(kSlipsLess,
+             fmt::format("slip, median: total {:.3f}, curvature {:.3f}", total.slip, curvature.slip),
+             {{"curvature slips less", curvature.slip < total.slip}}),
+      judged(kRegionalSlipsLess,
+             fmt::format("slip, median: total {:.3f}, Eq. 10 {:.3f}, regional {:.3f}", total.slip,
+                         curvature.slip, regional.slip),
+             {{"against total", regional.slip <= kRegionalSlipShare * total.slip},
+              {"against Eq. 10", regional.slip <= kRegionalSlipShare * curvature.slip}}),
+      judged(kRegionalRolls, fmt::format("rotation captured, median: {:.3f}", regional.rotation),
+             {{"", regional.rotation >= kLeastCaptured && regional.rotation <= kMostCaptured}}),
+      judged(kRegionalStaysNear,
+             fmt::format("mean distance [sigma]: Eq. 10 {:.3f}, regional {:.3f}", curvature.distance,
+                         regional.distance),
+             {{"", regional.distance <= kDistanceShare * curvature.distance}})};
 }
 
 }  // namespace

@@ -19,13 +19,20 @@ namespace {
 constexpr double kExponent = 0.125;
 const double kCoefficient = std::pow(1024 / (81 * std::pow(std::numbers::pi, 3)), kExponent);
 
-// The solution forgets how the current began only by and by, as 1/t, and is one of lubrication: it is
+// The solution forgets how the current began slowly, as 1/t, and is one of lubrication: it is
 // compared from 1.5 to 2 radii of the ball on, where the current's height at its centre is 0.4 to 0.2 of its
 // radius. Five layers of particles between floor and surface make the flux right to about (1/5)^2; the eighth
 // root of that is little, and the front itself is known to half a spacing, 2 percent.
 constexpr double kFirstRadius = 1.5;        // in radii of the ball
 constexpr double kExponentLimit = 0.0125;   // a tenth of the exponent
 constexpr double kCoefficientLimit = 0.05;  // relative
+
+// What is claimed; what was fitted is added to the reasons.
+
+const Claim kGoesWithEighthRoot{"Huppert 1982", "The front goes with the eighth root of the time.",
+                                "Difference of the exponent fitted from 1.5 radii of the ball on."};
+const Claim kHasHuppertsCoefficient{"Huppert 1982", "Its coefficient is 0.894.",
+                                    "Relative difference at the end, with the exponent 1/8."};
 
 /// Mean over sectors of the farthest particle from the axis, and half a spacing.
 double current_front(const FluidSolver& liquid, const Scene& scene) {
@@ -78,12 +85,12 @@ void judge(const std::vector<GravityCurrentResult>& results, Report& report) {
     fits += fmt::format("{}{}: exponent {:.4f}, coefficient {:.4f}", fits.empty() ? "" : "; ", at,
                         r.fit.exponent, kCoefficient * (1 + r.coefficient_error));
   }
-  report.statements = {
-      within_limits(
-          "Huppert 1982", "The front goes with the eighth root of the time.", exponent,
-          fmt::format("Difference of the exponent fitted from 1.5 radii of the ball on. {}.", fits)),
-      within_limits("Huppert 1982", "Its coefficient is 0.894.", coefficient,
-                    fmt::format("Relative difference at the end, with the exponent 1/8. {}.", fits))};
+  const auto with_fits = [&](Claim claim) {
+    claim.reason += fmt::format(" {}.", fits);
+    return claim;
+  };
+  report.statements = {within_limits(with_fits(kGoesWithEighthRoot), exponent),
+                       within_limits(with_fits(kHasHuppertsCoefficient), coefficient)};
 }
 
 }  // namespace

@@ -24,6 +24,18 @@ constexpr double kLevelLimit =
     0.25;  // [spacings]: walls are irregular, and liquid fills what room they leave
 constexpr double kRestSpeedLimit = 0.01;  // RMS over the particles, relative to sqrt(g depth)
 
+// What is claimed.
+
+const Claim kPressureIsHydrostatic{
+    "hydrostatics", "p = rho g (depth).",
+    "Mean over the second half of the time: RMS over the layers relative to the pressure at the floor; "
+    "relative "
+    "error of the slope. Fluctuation: standard deviation of the mean pressure over time."};
+const Claim kLevelStays{"hydrostatics", "The level of a liquid at rest stays.",
+                        "Twice the mean height, in particle spacings."};
+const Claim kLiquidIsAtRest{"hydrostatics", "The liquid is at rest.",
+                            "RMS over the particles relative to sqrt(g depth)."};
+
 struct Basin {
   double depth, bottom;
 };
@@ -128,15 +140,8 @@ void judge(const std::vector<HydrostaticResult>& results, Report& report) {
     level.push_back({at, r.level_error, kLevelLimit});
     speed.push_back({at, r.speed, kRestSpeedLimit});
   }
-  report.statements = {
-      within_limits("hydrostatics", "p = rho g (depth).", pressure,
-                    "Mean over the second half of the time: RMS over the layers relative to the pressure at "
-                    "the floor; relative "
-                    "error of the slope. Fluctuation: standard deviation of the mean pressure over time."),
-      within_limits("hydrostatics", "The level of a liquid at rest stays.", level,
-                    "Twice the mean height, in particle spacings."),
-      within_limits("hydrostatics", "The liquid is at rest.", speed,
-                    "RMS over the particles relative to sqrt(g depth).")};
+  report.statements = {within_limits(kPressureIsHydrostatic, pressure), within_limits(kLevelStays, level),
+                       within_limits(kLiquidIsAtRest, speed)};
 }
 
 }  // namespace

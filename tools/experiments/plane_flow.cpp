@@ -21,7 +21,7 @@ struct PlaneFlow {
   double (*speed)(const Scene& scene, double gap);  ///< the unit of u [m/s]
   double (*velocity)(double eta, double tau);  ///< series solution of u_tau = u_eta,eta + force, from rest
   double wall_gradient;                        ///< |du/deta| of the steady profile at a plate
-  double curvature;                            ///< |d2u/deta2| likewise
+  double curvature;                            ///< |d2u/deta2| of it
 };
 
 double poiseuille(double eta, double tau) {
@@ -110,6 +110,18 @@ constexpr double kEarlyLimit = 0.05;
 // The slip at the wall and the implicit time step are of first order.
 constexpr double kLeastOrder = 0.9;
 
+// What is claimed.
+
+const Claim kSteadyProfile{
+    "Navier-Stokes, series solution", "The steady profile is met.",
+    "RMS over the particles in the middle, relative to the unit of speed, at tau = 1."};
+const Claim kProfileOnTheWay{"Navier-Stokes, series solution", "So is the profile on the way there.",
+                             "The same at tau = 0.1."};
+const Claim kProfileConverges{
+    "kappaflow", fmt::format("The profile converges with the spacing, of order {} or better.", kLeastOrder),
+    "Fitted over all resolutions. A linear profile is exact at every resolution, but for the irregularity of "
+    "the wall particles, so its order is not judged."};
+
 Plot profile_plot(const std::string& title, const PlaneFlow& flow,
                   const std::vector<PlaneFlowResult>& results, double tau,
                   std::vector<Vec2> PlaneFlowResult::*points) {
@@ -144,23 +156,15 @@ void judge(const PlaneFlow& flow, const std::vector<PlaneFlowResult>& results, R
     early_errors.emplace_back(1.0 / r.layers, r.early_error);
     late_errors.emplace_back(1.0 / r.layers, r.late_error);
   }
-  report.statements.push_back(
-      within_limits("Navier-Stokes, series solution", "The steady profile is met.", late,
-                    "RMS over the particles in the middle, relative to the unit of speed, at tau = 1."));
-  report.statements.push_back(within_limits("Navier-Stokes, series solution",
-                                            "So is the profile on the way there.", early,
-                                            "The same at tau = 0.1."));
+  report.statements = {within_limits(kSteadyProfile, late), within_limits(kProfileOnTheWay, early)};
   if (results.size() < 3) return;
   const double early_order = fit_power_law(early_errors).exponent,
                late_order = fit_power_law(late_errors).exponent;
   std::vector<Check> checks{{"tau = 0.1", early_order >= kLeastOrder}};
   if (flow.curvature > 0) checks.push_back({"tau = 1", late_order >= kLeastOrder});
-  report.statements.push_back(judged(
-      "kappaflow", fmt::format("The profile converges with the spacing, of order {} or better.", kLeastOrder),
-      fmt::format("order {:.2f} at tau = 0.1, {:.2f} at tau = 1", early_order, late_order), checks,
-      "Fitted over all resolutions. A linear profile is exact at every resolution, but for the irregularity "
-      "of "
-      "the wall particles, so its order is not judged."));
+  report.statements.push_back(
+      judged(kProfileConverges,
+             fmt::format("order {:.2f} at tau = 0.1, {:.2f} at tau = 1", early_order, late_order), checks));
 }
 
 Report validate(const ExperimentContext& context, const PlaneFlow& flow) {

@@ -64,8 +64,7 @@ std::vector<Vec2> sampled(const std::function<double(double)>& reference, double
   return points;
 }
 
-Statement within_limits(const std::string& source, const std::string& statement,
-                        const std::vector<Bounded>& numbers, const std::string& why) {
+Statement within_limits(const Claim& claim, const std::vector<Bounded>& numbers) {
   std::vector<Check> checks;
   std::string measured;
   for (const Bounded& number : numbers) {
@@ -73,7 +72,7 @@ Statement within_limits(const std::string& source, const std::string& statement,
     measured += fmt::format("{}{}{}{:.3g}, limit {:.3g}", measured.empty() ? "" : "; ", number.what,
                             number.what.empty() ? "" : ": ", number.value, number.limit);
   }
-  return judged(source, statement, measured, checks, why);
+  return judged(claim, measured, checks);
 }
 
 std::string csv_text(const std::string& header, const std::vector<std::vector<double>>& rows) {

@@ -2,7 +2,7 @@
 // measurements, and statements that hold while an error stays below its limit.
 //
 // A validation is an experiment whose name begins with "validate-". Its scene is one that `kappaflow run`
-// takes; limits stand in its source, where the accuracy that the method promises is said.
+// takes; its limits follow from the accuracy that the method promises.
 #pragma once
 
 #include <functional>
@@ -49,14 +49,13 @@ double rms_difference(std::span<const Vec2> points, const std::function<double(d
 std::vector<Vec2> sampled(const std::function<double(double)>& reference, double first, double last,
                           int count = 101);
 
-/// A measured number that must not exceed its limit; not a number does.
+/// A measured number that must not exceed its limit; NaN does.
 struct Bounded {
   std::string what;
   double value = 0, limit = 0;
 };
 /// A statement with a check for each number; the table of measurements is the report's to show.
-Statement within_limits(const std::string& source, const std::string& statement,
-                        const std::vector<Bounded>& numbers, const std::string& why);
+Statement within_limits(const Claim& claim, const std::vector<Bounded>& numbers);
 
 /// A header line, and a line a row with six digits. Every row has as many numbers as the header has names.
 std::string csv_text(const std::string& header, const std::vector<std::vector<double>>& rows);

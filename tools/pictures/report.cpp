@@ -161,8 +161,7 @@ std::string with_anchors(std::string body, const std::vector<Report>& reports) {
 
 }  // namespace
 
-Statement judged(std::string source, std::string statement, std::string measured,
-                 const std::vector<Check>& checks, const std::string& why) {
+Statement judged(const Claim& claim, std::string measured, const std::vector<Check>& checks) {
   std::string yes, no;
   for (const Check& check : checks) {
     std::string& list = check.holds ? yes : no;
@@ -175,7 +174,7 @@ Statement judged(std::string source, std::string statement, std::string measured
                                                                 : Verdict::under_conditions;
   const std::string conditions =
       verdict == Verdict::under_conditions ? fmt::format(" Holds for: {}. Not for: {}.", yes, no) : "";
-  return {std::move(source), std::move(statement), std::move(measured), verdict, why + conditions};
+  return {claim.source, claim.statement, std::move(measured), verdict, claim.reason + conditions};
 }
 
 std::string verdict_text(Verdict verdict) {

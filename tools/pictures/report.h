@@ -10,7 +10,14 @@ namespace kappaflow {
 /// too_coarse: of a smaller variant that does not meet a limit which is the whole one's.
 enum class Verdict { holds, under_conditions, does_not_hold, too_coarse };
 
-/// Something that is claimed, beside what was measured.
+/// What is claimed, in words.
+struct Claim {
+  std::string source;  ///< who says it and where
+  std::string statement;
+  std::string reason;  ///< why it should hold, or what was measured
+};
+
+/// A claim beside what was measured.
 struct Statement {
   std::string source;  ///< who says it and where
   std::string statement;
@@ -24,10 +31,9 @@ struct Check {
   std::string what;
   bool holds = false;
 };
-/// holds where all checks do, does_not_hold where none does, else under_conditions. The reason is `why`,
-/// followed by the checks that hold and those that do not where they differ.
-Statement judged(std::string source, std::string statement, std::string measured,
-                 const std::vector<Check>& checks, const std::string& why);
+/// holds where all checks do, does_not_hold where none does, else under_conditions. The reason is the
+/// claim's, followed by the checks that hold and those that do not where they differ.
+Statement judged(const Claim& claim, std::string measured, const std::vector<Check>& checks);
 
 /// Rows of text under a header.
 struct Table {

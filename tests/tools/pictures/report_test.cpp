@@ -7,7 +7,7 @@ namespace {
 
 TEST(Judged, TheVerdictFollowsFromTheChecks) {
   const auto verdict = [](const std::vector<Check>& checks) {
-    return judged("a paper", "a claim", "a number", checks, "Because.");
+    return judged({"a paper", "a claim", "Because."}, "a number", checks);
   };
   EXPECT_EQ(verdict({{"one", true}, {"two", true}}).verdict, Verdict::holds);
   EXPECT_EQ(verdict({{"one", false}}).verdict, Verdict::does_not_hold);
@@ -25,7 +25,7 @@ TEST_F(WrittenReport, HasStatementsTablesAndPicturesInBothForms) {
   report.name = "fig0";
   report.title = "A test";
   report.introduction = "What was *done*.";
-  report.statements.push_back(judged("a|b", "x < y", "3", {{"", true}}, "Because."));
+  report.statements.push_back(judged({"a|b", "x < y", "Because."}, "3", {{"", true}}));
   report.tables.push_back({"A caption.", {"method", "error"}, {{"total", "0.5"}}});
   report.figures.push_back({"fig0/a.png", "A picture"});
   report.files = {"fig0/a.csv"};
