@@ -13,9 +13,8 @@
 #include "core/types.h"
 #include "scenes/view.h"
 #include "solver/options.h"
-#include "surface/field/particle_motion.h"
 #include "surface/measure/texture.h"
-#include "surface/tracker/surface_tracker.h"
+#include "surface/tracker/tracked_surfaces.h"
 
 namespace kappaflow {
 
@@ -70,21 +69,12 @@ struct Wall {
   SourcePosition where;  ///< where the scene's file describes it
 };
 
-/// How the surface is defined, meshed and tracked; lengths relative to the particle spacing or sigma, as
-/// stated.
-struct SurfaceDescription {
-  double sigma = 2;  ///< support radius of Eq. 12 in particle spacings
-  WeightRule weights = WeightRule::uniform;
-  std::optional<double>
-      threshold;             ///< T of Eq. 12; empty ("auto"): half the median of the field at the particles
-  double edge_length = 0.5;  ///< spacing of the first mesh's lattice in units of sigma
+/// How the surface is defined, meshed and tracked: SurfaceOptions as far as they do not follow from the
+/// liquid, and the velocity methods by their names.
+struct SurfaceDescription : SurfaceOptions {
   /// To track with, from velocity_methods(); may be empty.
   std::vector<std::string> methods{"material"};
-  bool remesh = true;      ///< whether the mesh's connectivity follows the surface
-  bool topology = true;    ///< and whether its topology does
-  TrackerOptions tracker;  ///< method is set from `methods`; remeshing.edge_length from edge_length and
-                           ///< sigma, topology.follows_field from `topology`
-  int stride = 1;          ///< solver steps per tracker step; a frame always ends one
+  int stride = 1;  ///< solver steps per tracker step; a frame always ends one
 };
 
 struct OutputDescription {

@@ -9,6 +9,7 @@
 #include "scenes/toml_reader.h"
 #include "solver/boundary_sampling.h"
 #include "solver/emitter.h"
+#include "surface/motion/velocity_methods.h"
 
 namespace kappaflow {
 namespace {

@@ -104,11 +104,11 @@ std::optional<double> captured_by(std::span<const int> piece, const TriangleMesh
 }  // namespace
 
 SurfaceState surface_state(const Field& field, const TriangleMesh& mesh, const VertexRings& rings,
-                           const VelocityMethod& method, const VelocityOptions& options) {
+                           const VelocityFunction& method, const VelocityOptions& options) {
   SurfaceState state;
   state.area = vertex_areas(mesh.position, mesh.triangles);
   fill_geometry(field, mesh.position, state);
-  method.evaluate(field, {mesh.position, state.area, rings}, options, state.motion);
+  method(field, {mesh.position, state.area, rings}, options, state.motion);
   fill_material(field, mesh.position, state);
   return state;
 }

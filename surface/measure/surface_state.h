@@ -22,7 +22,7 @@ struct SurfaceState {
 };
 
 SurfaceState surface_state(const Field& field, const TriangleMesh& mesh, const VertexRings& rings,
-                           const VelocityMethod& method, const VelocityOptions& options);
+                           const VelocityFunction& method, const VelocityOptions& options);
 
 /// Root mean square (area-weighted) of material_slip over that of the tangential material velocity.
 /// nullopt where the material velocity is unknown or zero.

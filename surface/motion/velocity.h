@@ -1,14 +1,12 @@
-// The velocity methods: how fast each point of an implicit surface moves. One function over a batch of
-// points.
+// What a velocity method is: how fast each point of an implicit surface moves. One function over a batch of
+// points; the library's own are in this folder, a program's own may be any other (docs/extending.md).
 //
 // Every method has the same normal part, Eq. 4: v_n = -f_t g/|g|^2; they differ in the motion along the
-// surface. To add a method, write one function of type VelocityFunction in a file of this folder and
-// add a line to the list in velocity.cpp: see docs/extending.md.
+// surface.
 #pragma once
 
+#include <functional>
 #include <span>
-#include <string>
-#include <string_view>
 #include <vector>
 
 #include "core/connectivity.h"
@@ -41,20 +39,9 @@ struct SurfaceVelocities {
   std::vector<double> confidence;  ///< how well the tangential part is determined, in [0, 1]
 };
 
-using VelocityFunction = void (*)(const Field&, const SurfacePoints&, const VelocityOptions&,
-                                  SurfaceVelocities&);
-
-/// A velocity method by name.
-struct VelocityMethod {
-  std::string_view name;
-  std::string_view summary;  ///< one line for help texts, with the equation
-  VelocityFunction evaluate;
-};
-
-/// All methods, in the order in which help texts list them.
-std::span<const VelocityMethod> velocity_methods();
-
-/// The method of that name. Throws InvalidInput that lists the names otherwise.
-const VelocityMethod& velocity_method(std::string_view name);
+/// Fills the velocities and confidences of all points, which it resizes. Called once for every stage of a
+/// time step; must be a function of its arguments alone, whatever the number of threads.
+using VelocityFunction = std::function<void(const Field& field, const SurfacePoints& points,
+                                            const VelocityOptions& options, SurfaceVelocities& result)>;
 
 }  // namespace kappaflow

@@ -32,6 +32,12 @@ struct RemeshCounts {
     residual_max = residual_max > other.residual_max ? residual_max : other.residual_max;
     return *this;
   }
+
+  /// See core/saved_state.h.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(splits, collapses, flips, replaced, residual_max);
+  }
 };
 
 struct RemeshState;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "core/errors.h"
 #include "core/stopwatch.h"
 #include "surface/mesh/mesh_measures.h"
 #include "surface/tracker/mobility.h"
@@ -15,7 +16,8 @@ constexpr int kSettlingRounds = 4;
 }  // namespace
 
 SurfaceTracker::SurfaceTracker(TriangleMesh initial_mesh, const TrackerOptions& options)
-    : options_(options), method_(velocity_method(options.method)), mesh_(std::move(initial_mesh)) {
+    : options_(options), mesh_(std::move(initial_mesh)) {
+  if (!options.method) throw InvalidInput("a surface cannot be tracked without a velocity method");
   start_from_mesh();
 }
 
@@ -129,7 +131,7 @@ void SurfaceTracker::advect(FieldMotion& motion) {
   vertex_areas(mesh_.position, mesh_.triangles, area_);
   runge_kutta_.advance(motion, options_.integrator, mesh_.position,
                        [&](const Field& field, std::span<const Vec3> position) -> std::span<const Vec3> {
-                         method_.evaluate(field, {position, area_, rings_}, options_.velocity, velocities_);
+                         options_.method(field, {position, area_, rings_}, options_.velocity, velocities_);
                          return velocities_.velocity;
                        });
 }

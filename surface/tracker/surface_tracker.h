@@ -1,14 +1,15 @@
 // Carries one explicit mesh along with a moving implicit surface.
 #pragma once
 
+#include <algorithm>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "surface/field/field.h"
 #include "surface/field/projection.h"
 #include "surface/field/runge_kutta.h"
 #include "surface/mesh/triangle_mesh.h"
+#include "surface/motion/regional.h"
 #include "surface/motion/velocity.h"
 #include "surface/remesh/remeshing.h"
 #include "surface/topology/topology.h"
@@ -17,7 +18,7 @@
 namespace kappaflow {
 
 struct TrackerOptions {
-  std::string method = "curvature";  ///< name of the velocity method, see velocity_methods()
+  VelocityFunction method = evaluate_regional;  ///< how fast the vertices are; see surface/motion
   TimeIntegrator integrator = TimeIntegrator::rk2;
   VelocityOptions velocity{};
   ProjectionOptions projection{};
@@ -40,6 +41,25 @@ struct TrackerStep {
   double fairing_seconds = 0;   ///< wall time of fairing and projection
   double topology_seconds = 0;  ///< wall time of the changes of topology
   double remesh_seconds = 0;    ///< wall time of the edits
+
+  /// Both one after the other.
+  TrackerStep& operator+=(const TrackerStep& next) {
+    unprojected = next.unprojected;
+    residual_max = std::max(residual_max, next.residual_max);
+    topology += next.topology;
+    edits += next.edits;
+    velocity_seconds += next.velocity_seconds;
+    fairing_seconds += next.fairing_seconds;
+    topology_seconds += next.topology_seconds;
+    remesh_seconds += next.remesh_seconds;
+    return *this;
+  }
+
+  /// See core/saved_state.h; without the wall times, which differ from run to run.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(unprojected, residual_max, topology, edits);
+  }
 };
 
 /// Tracks a surface: its vertices move with the chosen velocity, and the mesh is kept in order by edits that
@@ -47,8 +67,8 @@ struct TrackerStep {
 /// vertex is within ProjectionOptions::tolerance of f = 0 or flagged in TriangleMesh::unprojected.
 class SurfaceTracker {
  public:
-  /// initial_mesh: on the surface f = 0 at the start of the first step. Throws InvalidInput for an unknown
-  /// method.
+  /// initial_mesh: on the surface f = 0 at the start of the first step. Throws InvalidInput where the method
+  /// is an empty function.
   SurfaceTracker(TriangleMesh initial_mesh, const TrackerOptions& options);
 
   /// Moves the mesh from motion.t0() to motion.t1().
@@ -66,7 +86,7 @@ class SurfaceTracker {
   /// TriangleMesh::source, for whoever knows the liquid to fill in.
   std::span<int> source() { return mesh_.source; }
   const VertexRings& rings() const { return rings_; }
-  const VelocityMethod& method() const { return method_; }
+  const VelocityFunction& method() const { return options_.method; }
   const TrackerOptions& options() const { return options_; }
 
   /// See core/saved_state.h; for a tracker that was made with the same options, on any mesh.
@@ -88,7 +108,6 @@ class SurfaceTracker {
   void renew_connectivity(const VertexHistory& history);
 
   TrackerOptions options_;
-  const VelocityMethod& method_;
   TriangleMesh mesh_;
   VertexRings rings_, rings_before_;
   FairingState fairing_;

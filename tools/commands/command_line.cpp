@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "surface/motion/velocity.h"
+#include "surface/motion/velocity_methods.h"
 #include "tools/commands/command_options.h"
 #include "tools/commands/command_words.h"
 

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "core/suggestion.h"
+#include "surface/motion/velocity_methods.h"
 
 namespace kappaflow {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstdlib>
 
 #include "core/suggestion.h"
-#include "surface/motion/velocity.h"
+#include "surface/motion/velocity_methods.h"
 #include "tools/io/mesh_formats.h"
 
 namespace kappaflow {

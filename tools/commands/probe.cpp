@@ -10,7 +10,7 @@
 #include "core/errors.h"
 #include "surface/field/curvature.h"
 #include "surface/field/particle_field.h"
-#include "surface/motion/velocity.h"
+#include "surface/motion/velocity_methods.h"
 #include "tools/io/number_table.h"
 #include "tools/io/particle_file.h"
 

@@ -9,6 +9,7 @@
 #include "scenes/toml_reader.h"
 #include "surface/field/particle_motion.h"
 #include "surface/mesh/mesh_measures.h"
+#include "surface/motion/velocity_methods.h"
 #include "surface/remesh/initial_mesh.h"
 #include "tools/experiments/enright_flow.h"
 #include "tools/experiments/enright_results.h"
@@ -114,7 +115,7 @@ struct Contest {
 
   void add(const TriangleMesh& start, const std::string& method, const TrackerOptions& options) {
     TrackerOptions tracker = options;
-    tracker.method = method;
+    tracker.method = velocity_method(method).evaluate;
     const double edge = tracker.remeshing.edge_length;
     const std::string name = edge > 0 ? fmt::format("{} remeshed {}", method, edge) : method;
     trackers.emplace_back(start, tracker);

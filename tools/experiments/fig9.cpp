@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "surface/motion/velocity.h"
+#include "surface/motion/velocity_methods.h"
 #include "tools/pictures/plot.h"
 #include "tools/pictures/render.h"
 #include "tools/runs/run.h"

@@ -9,6 +9,7 @@
 #include "surface/field/particle_weights.h"
 #include "surface/measure/surface_state.h"
 #include "surface/mesh/mesh_measures.h"
+#include "surface/motion/velocity_methods.h"
 #include "surface/remesh/initial_mesh.h"
 #include "tools/io/files.h"
 #include "tools/io/particle_file.h"
@@ -117,7 +118,7 @@ Errors body_errors(const MotionOptions& options, const std::filesystem::path& fo
     const ParticleField field = field_of(particles);
     for (std::size_t m = 0; m < velocity_methods().size(); ++m) {
       const SurfaceState state =
-          surface_state(field, mesh, rings, velocity_methods()[m], options.body_velocity);
+          surface_state(field, mesh, rings, velocity_methods()[m].evaluate, options.body_velocity);
       double error = 0, size = 0;
       for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
         const Vec3 truth = motion.at(mesh.position[v]);
@@ -142,7 +143,7 @@ Errors flow_slips(const MotionOptions& options, const std::filesystem::path& fol
     errors.columns.push_back(std::filesystem::path(file).stem().string());
     for (std::size_t m = 0; m < velocity_methods().size(); ++m)
       errors.of_method[m].push_back(
-          slip(surface_state(field, mesh, rings, velocity_methods()[m], options.flow_velocity))
+          slip(surface_state(field, mesh, rings, velocity_methods()[m].evaluate, options.flow_velocity))
               .value_or(std::nan("")));
   }
   return errors;

@@ -7,6 +7,7 @@
 
 #include "core/errors.h"
 #include "core/parallel.h"
+#include "surface/motion/velocity_methods.h"
 #include "surface/remesh/initial_mesh.h"
 
 namespace kappaflow {
@@ -42,7 +43,7 @@ RigidSample sample(const TriangleMesh& mesh, const SteadyMotion& motion, double 
 
 void run_case(const RigidExperiment& experiment, const TriangleMesh& start, RigidCase& c) {
   TrackerOptions options = experiment.tracker;
-  options.method = c.method;
+  options.method = velocity_method(c.method).evaluate;
   options.integrator = c.integrator;
   options.fairing.iterations = c.fairing_iterations;
   SurfaceTracker tracker(start, options);

@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "scenes/toml_reader.h"
-#include "surface/motion/velocity.h"
+#include "surface/motion/velocity_methods.h"
 #include "tools/experiments/rigid_experiment.h"
 
 namespace kappaflow {

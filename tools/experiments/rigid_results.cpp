@@ -5,6 +5,7 @@
 
 #include "surface/measure/texture.h"
 #include "surface/mesh/mesh_measures.h"
+#include "surface/motion/velocity_methods.h"
 #include "tools/experiments/rigid_experiment.h"
 #include "tools/io/files.h"
 #include "tools/io/vtp_files.h"
@@ -52,7 +53,7 @@ vtkSmartPointer<vtkPolyData> mesh_data(const RigidExperiment& experiment, const 
   RigidParticles particles(c.body->particles, c.body->threshold, experiment.motion, time, time + 1);
   const SurfaceState state =
       surface_state(*particles.at(time), mesh, vertex_rings(mesh.vertex_count(), mesh.triangles),
-                    velocity_method(c.method), experiment.tracker.velocity);
+                    velocity_method(c.method).evaluate, experiment.tracker.velocity);
   return surface_data({time, mesh, state, checker_colours(mesh.rest_position, experiment.checker_size),
                        texture_coordinates(mesh.rest_position, bounding_box(mesh.rest_position),
                                            TextureProjection::spherical)});

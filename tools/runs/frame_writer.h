@@ -1,29 +1,39 @@
 // What one frame of tracked surfaces leaves in the run folder, and the numbers that go with it.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "scenes/scene.h"
+#include "surface/measure/material_tracers.h"
 #include "tools/io/mesh_formats.h"
 #include "tools/io/vtp_files.h"
 #include "tools/runs/metrics.h"
 #include "tools/runs/run_folder.h"
 #include "tools/runs/summary.h"
-#include "tools/runs/tracked_surfaces.h"
 
 namespace kappaflow {
+
+/// What happened since the last frame.
+struct SurfacesSinceFrame {
+  std::vector<TrackerStep> steps;  ///< one entry a method
+  double tracer_seconds = 0;       ///< wall time of the material tracers
+  double solver_seconds = 0;       ///< wall time of the liquid
+};
 
 /// Measures and writes frames; keeps what is the same in all of them.
 class FrameWriter {
  public:
-  /// Before the surfaces' first step. formats: of further mesh files beside each surface's .vtp.
-  FrameWriter(const OutputDescription& output, const TrackedSurfaces& surfaces,
+  /// Before the surfaces' first step. methods: what files and tables call the surfaces; formats: of further
+  /// mesh files beside each surface's .vtp.
+  FrameWriter(const OutputDescription& output, std::vector<std::string> methods,
+              const TrackedSurfaces& surfaces, const MaterialTracers& tracers,
               std::vector<MeshFormat> formats, RunFolder& folder);
 
   /// Writes particles and surfaces, completes `metrics` (frame, time and what the caller knows of the
   /// particles) by the isosurface, and appends everything to tables and summary. watch: runs since the
   /// frame's output began.
-  void write(FrameMetrics metrics, const ParticleFrame& particles, SurfacesSinceFrame since_frame,
+  void write(FrameMetrics metrics, const ParticleFrame& particles, const SurfacesSinceFrame& since_frame,
              const Stopwatch& watch, RunSummary& summary);
 
   /// See core/saved_state.h.
@@ -46,10 +56,12 @@ class FrameWriter {
   static double kept_share(const TriangleMesh& mesh, const Earlier& earlier);
 
   SurfaceMetrics write_surface(const FrameMetrics& frame, const TriangleMesh& isosurface, std::size_t m,
-                               const SurfacesSinceFrame& since_frame);
+                               const TrackerStep& since_frame);
 
   const OutputDescription& output_;
+  std::vector<std::string> methods_;
   const TrackedSurfaces& surfaces_;
+  const MaterialTracers& tracers_;
   std::vector<MeshFormat> formats_;
   RunFolder& folder_;
   Earlier first_;

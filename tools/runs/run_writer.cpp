@@ -14,7 +14,8 @@ RunWriter::RunWriter(const Scene& scene, const Simulation& simulation, const std
       folder_(folder),
       motions_(wall_motions(scene)),
       walls_(simulation.walls()),
-      writer_(scene.output, simulation.surfaces(), formats, folder) {
+      writer_(scene.output, scene.surface.methods, simulation.surfaces(), simulation.tracers(), formats,
+              folder) {
   if (motions_.empty() && !simulation.walls().empty())
     folder.write_boundary(*boundary_data(simulation.walls()));
 }
@@ -29,7 +30,8 @@ void RunWriter::write(int frame, double time, const SinceFrame& since_frame, Run
   const std::vector<double> weight = field_weights(particles.position, options.sigma, options.weights);
   writer_.write(liquid_metrics(frame, time, density, since_frame),
                 {particles, density, pressure, simulation_.fluid().sources(), weight, options.sigma},
-                since_frame.surfaces, watch, summary);
+                {since_frame.surfaces, since_frame.tracer_seconds, since_frame.solver_seconds}, watch,
+                summary);
 }
 
 FrameMetrics RunWriter::liquid_metrics(int frame, double time, std::span<const float> density,

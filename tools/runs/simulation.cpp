@@ -5,8 +5,10 @@
 #include <limits>
 #include <utility>
 
+#include "core/stopwatch.h"
 #include "core/whole_within.h"
 #include "scenes/shapes.h"
+#include "surface/motion/velocity_methods.h"
 
 namespace kappaflow {
 namespace {
@@ -27,14 +29,18 @@ std::vector<Vec3> mostly_interior_lattice(const Scene& scene) {
   return lattice_points(BoxShape{Vec3::Zero(), Vec3::Constant(edge)}, scene.fluid.spacing);
 }
 
-TrackedSurfaces make_surfaces(const Scene& scene, const Particles& particles) {
-  const std::vector<Vec3> liquid =
-      scene.fluid.emitters.empty() ? particles.position : mostly_interior_lattice(scene);
-  const ParticleFieldOptions options = field_options(scene.surface, scene.fluid.spacing, liquid);
-  SurfaceDescription surface = scene.surface;
-  surface.tracker.mending_interval =
-      whole_within(kMendingPath / (scene.fluid.cfl * surface.stride), 1, std::numeric_limits<int>::max());
-  return {particle_field(particles, options), options, surface, scene.file.string()};
+/// A step of the surfaces is `stride` steps of the liquid.
+SurfaceOptions surface_options(const Scene& scene) {
+  SurfaceOptions options = scene.surface;
+  options.spacing = scene.fluid.spacing;
+  options.velocities = velocity_functions(scene.surface.methods);
+  options.motion_per_step = kInfinity;
+  options.name = scene.file.string();
+  if (!scene.fluid.emitters.empty())
+    options.threshold = field_options(options, mostly_interior_lattice(scene)).threshold;
+  options.tracker.mending_interval = whole_within(kMendingPath / (scene.fluid.cfl * scene.surface.stride), 1,
+                                                  std::numeric_limits<int>::max());
+  return options;
 }
 
 }  // namespace
@@ -42,10 +48,10 @@ TrackedSurfaces make_surfaces(const Scene& scene, const Particles& particles) {
 Simulation::Simulation(const Scene& scene)
     : walls_(wall_surfaces(scene)),
       fluid_(make_fluid(scene, walls_)),
-      particles_(fluid_.particles()),
-      surfaces_(make_surfaces(scene, particles_)),
+      surfaces_(fluid_.particles(), surface_options(scene)),
+      tracers_(surfaces_.mesh().position),
       stride_(scene.surface.stride) {
-  find_sources();
+  surfaces_.find_sources(fluid_.sources());
 }
 
 bool Simulation::advance(double time, const Watch& watch) {
@@ -60,26 +66,21 @@ bool Simulation::advance(double time, const Watch& watch) {
   }
   if (untracked_ > 0) step_surfaces();
   surfaces_.settle();
-  find_sources();
+  surfaces_.find_sources(fluid_.sources());
   return true;
 }
 
 void Simulation::step_surfaces() {
-  Particles now = fluid_.particles();
-  ParticleMotion motion(particles_, now, surfaces_.field_options());
-  surfaces_.step(motion);
-  particles_ = std::move(now);
+  surfaces_.step(fluid_.particles(), [this](FieldMotion& step) {
+    since_frame_.tracer_seconds += seconds_of([&] { tracers_.step(step); });
+    return true;
+  });
   untracked_ = 0;
-}
-
-void Simulation::find_sources() {
-  surfaces_.find_sources(particles_.position, fluid_.sources());
 }
 
 SinceFrame Simulation::take_since_frame() {
   SinceFrame since = std::exchange(since_frame_, {});
-  since.surfaces = surfaces_.take_since_frame();
-  for (PhaseSeconds& seconds : since.surfaces.seconds) seconds.solver = since.solver_seconds;
+  since.surfaces = surfaces_.take_report();
   return since;
 }
 

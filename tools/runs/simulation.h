@@ -6,7 +6,7 @@
 
 #include "scenes/scene.h"
 #include "solver/fluid_solver.h"
-#include "tools/runs/tracked_surfaces.h"
+#include "surface/measure/material_tracers.h"
 
 namespace kappaflow {
 
@@ -14,12 +14,13 @@ namespace kappaflow {
 struct SinceFrame {
   double density_error_mean = 0, density_error_max = 0;  ///< the largest of FluidStep's
   double solver_seconds = 0;                             ///< wall time of the liquid
-  SurfacesSinceFrame surfaces;                           ///< their seconds with those of the liquid
+  double tracer_seconds = 0;                             ///< and of the material tracers
+  std::vector<TrackerStep> surfaces;                     ///< one entry a method
 
-  /// See core/saved_state.h; without the wall times.
+  /// See core/saved_state.h; without the wall times, and the surfaces, which save their own.
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(density_error_mean, density_error_max, surfaces);
+    archive(density_error_mean, density_error_max);
   }
 };
 
@@ -38,8 +39,9 @@ class Simulation {
   bool advance(double time, const Watch& watch);
 
   const FluidSolver& fluid() const { return fluid_; }
-  const Particles& particles() const { return particles_; }  ///< at the surfaces' time
+  const Particles& particles() const { return surfaces_.particles(); }  ///< at the surfaces' time
   const TrackedSurfaces& surfaces() const { return surfaces_; }
+  const MaterialTracers& tracers() const { return tracers_; }
   const Field& field() const { return surfaces_.field(); }
   const std::vector<SurfaceTracker>& trackers() const { return surfaces_.trackers(); }
   const std::vector<TriangleSurface>& walls() const { return walls_; }
@@ -50,17 +52,16 @@ class Simulation {
   /// See core/saved_state.h; for a simulation of the same scene.
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(fluid_, particles_, surfaces_, untracked_, since_frame_);
+    archive(fluid_, surfaces_, tracers_, untracked_, since_frame_);
   }
 
  private:
   void step_surfaces();
-  void find_sources();
 
   std::vector<TriangleSurface> walls_;
   FluidSolver fluid_;
-  Particles particles_;
   TrackedSurfaces surfaces_;
+  MaterialTracers tracers_;
   int stride_;
   int untracked_ = 0;       // solver steps that the surfaces have not taken yet
   SinceFrame since_frame_;  // but for the surfaces

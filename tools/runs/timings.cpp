@@ -7,6 +7,15 @@
 
 namespace kappaflow {
 
+PhaseSeconds phase_seconds(const TrackerStep& steps, double solver, double output) {
+  return {.solver = solver,
+          .velocity = steps.velocity_seconds,
+          .fairing = steps.fairing_seconds,
+          .topology = steps.topology_seconds,
+          .remesh = steps.remesh_seconds,
+          .output = output};
+}
+
 // The second number of statm is the resident set, in pages.
 double resident_memory() {
   double size = 0, resident = 0;

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/stopwatch.h"
+#include "surface/tracker/surface_tracker.h"
 
 namespace kappaflow {
 
@@ -17,6 +18,9 @@ struct PhaseSeconds {
   double remesh = 0;    ///< edits of the mesh
   double output = 0;    ///< metrics and files
 };
+
+/// Those of a surface's steps, and what else there is to say.
+PhaseSeconds phase_seconds(const TrackerStep& steps, double solver, double output);
 
 /// The physical memory that the program holds [MiB].
 double resident_memory();

@@ -3,17 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
-#include <memory>
 #include <utility>
 
 #include "core/errors.h"
-#include "core/parallel.h"
-#include "core/quantile.h"
-#include "core/solid_distance.h"
-#include "core/whole_within.h"
-#include "surface/mesh/isosurface.h"
+#include "surface/measure/surface_motion.h"
+#include "surface/motion/velocity_methods.h"
 #include "tools/runs/frame_writer.h"
 #include "tools/runs/interrupt.h"
 #include "tools/runs/progress.h"
@@ -24,11 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kMotionPerStep = 0.2;    // of the fast particles, in sigma
-constexpr double kShareOfFast = 0.999;    // a few that fly off do not set the number of steps
-constexpr double kCheckerSize = 2;        // in sigma
-constexpr double kMeasuredShare = 0.95;   // of the vertices, see surface_motion()
-constexpr double kMeasuredSpacing = 0.5;  // of the surfaces there, in sigma
+constexpr double kCheckerSize = 2;  // in sigma
 
 /// Everything that follows from the options and the first frame.
 struct TrackSetup {
@@ -71,43 +62,16 @@ TrackSetup make_setup(const TrackOptions& options, const ParticleSequence& seque
     throw InvalidInput(fmt::format(
         "{}: the velocity \"material\" takes particles with velocities or ids; these have neither",
         sequence.name()));
-  setup.field = field_options(surface, options.sigma ? 1 : setup.spacing, first.position);
+  surface.spacing = options.sigma ? 1 : setup.spacing;
+  surface.is_cloud = is_cloud;
+  surface.velocities = velocity_functions(surface.methods);
+  surface.name = sequence.name();
+  setup.field = field_options(surface, first.position);
   return setup;
 }
 
 fs::path folder_for(const TrackOptions& options, const ParticleSequence& sequence) {
   return options.folder.empty() ? fs::path("out") / sequence.name() : options.folder;
-}
-
-/// The field's options between a frame and the next.
-ParticleFieldOptions options_between(const ParticleSequence& sequence, std::size_t frame,
-                                     const ParticleFieldOptions& field) {
-  ParticleFieldOptions options = field;
-  if (sequence.velocity() == ParticleSequence::Velocity::unknown)
-    options.cloud_speed =
-        kLargestCloudMotion * field.sigma / (sequence.time(frame + 1) - sequence.time(frame));
-  return options;
-}
-
-/// The speed [m/s] that all but a few particles stay below.
-double fast_speed(const Particles& particles) {
-  std::vector<double> speed;
-  for (const Vec3& v : particles.velocity) speed.push_back(v.norm());
-  return quantile(speed, kShareOfFast);
-}
-
-/// name: of the sequence. Throws InvalidInput where the steps would never end.
-int steps_between(const Particles& before, const Particles& after, const ParticleFieldOptions& field,
-                  const std::string& name) {
-  constexpr int kMost = 1000000;
-  const double speed = std::max({fast_speed(before), fast_speed(after), field.cloud_speed});
-  const double motion = speed * (after.time - before.time) / (kMotionPerStep * field.sigma);
-  if (!(motion <= kMost))
-    throw InvalidInput(
-        fmt::format("{}: particles at {:.3g} m/s move {:.3g} sigma from the frame at {:.6g} s to "
-                    "the next; at most {:.3g} are allowed",
-                    name, speed, motion * kMotionPerStep, before.time, kMost * kMotionPerStep));
-  return whole_within(std::ceil(motion), 1, kMost);
 }
 
 /// Throws InvalidInput where a point cloud's surface moves too far between two frames.
@@ -141,46 +105,25 @@ std::string setup_text(const ParticleSequence& sequence, const TrackSetup& setup
                             fmt::join(setup.surface.methods, ", "));
 }
 
-/// Moves the surfaces to the motion's end. Returns false when `watch(time)` stopped it on the way.
-template <class Watch>
-bool advance(TrackedSurfaces& surfaces, ParticleMotion& motion, int steps, const Watch& watch) {
-  const double t0 = motion.t0(), dt = (motion.t1() - t0) / steps;
-  double time = t0;
-  for (int s = 1; s <= steps; ++s) {
-    const double end = s == steps ? motion.t1() : t0 + s * dt;
-    MotionPart part(motion, time, end);
-    surfaces.step(part);
-    motion.forget_before(end);
-    time = end;
-    if (!watch(time) && s < steps) return false;
-  }
-  surfaces.settle();
-  return true;
-}
-
 void write_frame(FrameWriter& writer, RunFolder& folder, int number, const SequenceFrame& frame,
-                 TrackedSurfaces& surfaces, RunSummary& summary) {
+                 TrackedSurfaces& surfaces, double tracer_seconds, RunSummary& summary) {
   const Stopwatch watch;
-  surfaces.find_sources(frame.particles.position, frame.source);
+  surfaces.find_sources(frame.source);
   const ParticleFieldOptions& field = surfaces.field_options();
   const std::vector<double> weight = field_weights(frame.particles.position, field.sigma, field.weights);
   FrameMetrics metrics;
   metrics.frame = number;
   metrics.time = frame.particles.time;
   writer.write(metrics, {frame.particles, frame.density, frame.pressure, frame.source, weight, field.sigma},
-               surfaces.take_since_frame(), watch, summary);
+               {surfaces.take_report(), tracer_seconds}, watch, summary);
   folder.flush();
 }
 
 RunSummary track_sequence(const TrackOptions& options, ParticleSequence& sequence, const TrackSetup& setup,
                           const InterruptGuard& guard) {
-  const auto motion_from = [&](const SequenceFrame& before, const SequenceFrame& after, std::size_t frame) {
-    return std::make_unique<ParticleMotion>(before.particles, after.particles,
-                                            options_between(sequence, frame, setup.field));
-  };
-  SequenceFrame now = sequence.frame(0), next = sequence.frame(1);
-  auto motion = motion_from(now, next, 0);
-  TrackedSurfaces surfaces(motion->at(motion->t0()), setup.field, setup.surface, sequence.file(0).string());
+  const SequenceFrame first = sequence.frame(0);
+  TrackedSurfaces surfaces(first.particles, sequence.frame(1).particles, setup.surface);
+  MaterialTracers tracers(surfaces.mesh().position);
 
   RunFolder folder(folder_for(options, sequence), setup.surface.methods, options.force);
   folder.write_record(track_record(options, sequence, setup.surface, setup.field));
@@ -188,44 +131,32 @@ RunSummary track_sequence(const TrackOptions& options, ParticleSequence& sequenc
   std::fflush(stdout);
   OutputDescription output;
   output.checker_size = kCheckerSize;
-  FrameWriter writer(output, surfaces, options.formats, folder);
+  FrameWriter writer(output, setup.surface.methods, surfaces, tracers, options.formats, folder);
   RunSummary summary;
-  write_frame(writer, folder, 0, now, surfaces, summary);
+  write_frame(writer, folder, 0, first, surfaces, 0, summary);
   folder.take_place();
   const int last = static_cast<int>(sequence.size()) - 1;
   Progress progress(sequence.time(0), sequence.time(last), last, !options.quiet);
   for (int k = 1; k <= last && !guard.interrupted(); ++k) {
-    if (k > 1) {
-      next = sequence.frame(k);
-      motion = motion_from(now, next, k - 1);
-    }
-    const int steps = steps_between(now.particles, next.particles,
-                                    options_between(sequence, k - 1, setup.field), sequence.name());
-    const bool arrived = advance(surfaces, *motion, steps, [&](double time) {
+    const SequenceFrame next = sequence.frame(k);
+    const int steps = surfaces.steps_to(next.particles);
+    double tracer_seconds = 0;
+    const bool arrived = surfaces.step(next.particles, [&](FieldMotion& step) {
+      tracer_seconds += seconds_of([&] { tracers.step(step); });
       ++summary.steps;
-      summary.interrupted_at = time;
-      progress.show(time, k, fmt::format("{} steps a frame", steps));
+      summary.interrupted_at = step.t1();
+      progress.show(step.t1(), k, fmt::format("{} steps a frame", steps));
       return !guard.interrupted();
     });
-    now = std::move(next);
-    if (arrived) write_frame(writer, folder, k, now, surfaces, summary);
+    if (!arrived) break;
+    surfaces.settle();
+    write_frame(writer, folder, k, next, surfaces, tracer_seconds, summary);
   }
   summary.interrupted_by = guard.signal();
   return summary;
 }
 
 }  // namespace
-
-double surface_motion(const Field& before, const Field& after, double sigma) {
-  const TriangleMesh from = extract_isosurface(before, kMeasuredSpacing * sigma),
-                     to = extract_isosurface(after, kMeasuredSpacing * sigma);
-  if (from.triangles.empty() || to.triangles.empty()) return 0;
-  const SolidDistance surface(TriangleSurface{from.position, from.triangles});
-  std::vector<double> distance(to.vertex_count());
-  parallel_for(distance.size(),
-               [&](std::size_t v) { distance[v] = std::abs(surface.nearest(to.position[v]).distance); });
-  return quantile(distance, kMeasuredShare) / sigma;
-}
 
 int track(const TrackOptions& options) {
   const InterruptGuard guard;

@@ -28,15 +28,6 @@ struct TrackOptions {
   std::vector<std::string> command;  ///< the command line, for run.json
 };
 
-/// The furthest that a point cloud's surface may move from one frame to the next, in sigma: beyond it the
-/// mean of two frames' fields no longer stands for the field between them (docs/track.md has measurements).
-inline constexpr double kLargestCloudMotion = 0.1;
-
-/// How far, in units of sigma, a point cloud's surface moves between two of its fields: the distance to the
-/// first surface that 95 % of the second surface's vertices keep within. What moves along the surface does
-/// not show.
-double surface_motion(const Field& before, const Field& after, double sigma);
-
 /// Tracks a sequence and writes a run folder. The files are all read and checked before anything is written;
 /// SIGINT and SIGTERM end it after the current step. Returns the exit code: 0, or 130 or 143 after a signal.
 int track(const TrackOptions& options);

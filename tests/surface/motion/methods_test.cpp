@@ -10,6 +10,7 @@
 #include "surface/motion/curvature_invariance.h"
 #include "surface/motion/normal.h"
 #include "surface/motion/total.h"
+#include "surface/motion/velocity_methods.h"
 #include "tests/surface/field/random_particles.h"
 #include "tests/surface/mesh/analytic_fields.h"
 #include "tests/surface/motion/surface_points.h"

@@ -9,6 +9,7 @@
 #include "surface/measure/surface_state.h"
 #include "surface/mesh/isosurface.h"
 #include "surface/mesh/mesh_measures.h"
+#include "surface/motion/velocity_methods.h"
 #include "tests/surface/field/random_particles.h"
 #include "tests/surface/mesh/analytic_fields.h"
 #include "tests/surface/motion/staircase_frame.h"
@@ -111,7 +112,7 @@ TEST(Regional, ReproducesAffineMotionsOfACarriedField) {
 double slip_on_flow(const ParticleField& field, double spacing, const VelocityOptions& options) {
   const TriangleMesh mesh = projected_isosurface(field, spacing);
   return slip(surface_state(field, mesh, vertex_rings(mesh.vertex_count(), mesh.triangles),
-                            velocity_method("regional"), options))
+                            velocity_method("regional").evaluate, options))
       .value();
 }
 

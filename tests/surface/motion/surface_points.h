@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "surface/field/particle_field.h"
-#include "surface/motion/velocity.h"
+#include "surface/motion/velocity_methods.h"
 
 namespace kappaflow::testing {
 

@@ -10,6 +10,7 @@
 
 #include "surface/mesh/mesh_measures.h"
 #include "surface/mesh/self_intersection.h"
+#include "surface/motion/velocity_methods.h"
 #include "surface/remesh/initial_mesh.h"
 #include "surface/tracker/surface_tracker.h"
 #include "tests/surface/mesh/analytic_fields.h"
@@ -28,7 +29,7 @@ void set_gradient(const Field& field, TriangleMesh& mesh) {
 }
 
 TrackerOptions with_remeshing(const char* method, double edge) {
-  return {.method = method,
+  return {.method = velocity_method(method).evaluate,
           .integrator = TimeIntegrator::rk4,
           .fairing = {.iterations = 0},
           .remeshing = {.edge_length = edge, .finest = 0.3}};

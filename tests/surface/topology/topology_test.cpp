@@ -14,6 +14,7 @@
 #include "surface/mesh/isosurface.h"
 #include "surface/mesh/mesh_measures.h"
 #include "surface/mesh/self_intersection.h"
+#include "surface/motion/velocity_methods.h"
 #include "surface/remesh/initial_mesh.h"
 #include "surface/topology/winding_numbers.h"
 #include "surface/tracker/surface_tracker.h"
@@ -74,7 +75,7 @@ ParticlesAt moving(std::function<std::vector<Vec3>(double)> place,
 }
 
 TrackerOptions following(const char* method) {
-  return {.method = method,
+  return {.method = velocity_method(method).evaluate,
           .velocity = {.damping = 0.1, .speed_limit = 1},
           .fairing = {.iterations = 3},
           .remeshing = {.edge_length = kEdge},

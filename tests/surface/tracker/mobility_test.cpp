@@ -6,6 +6,7 @@
 #include <numeric>
 #include <random>
 
+#include "surface/motion/material.h"
 #include "surface/remesh/initial_mesh.h"
 #include "surface/tracker/surface_tracker.h"
 #include "tests/surface/mesh/analytic_fields.h"
@@ -88,8 +89,9 @@ double displaced_by_fairing(FairedVertices moves) {
       return std::make_shared<testing::EllipsoidField>(Vec3::Zero(), testing::rotation(t * kSpin),
                                                        Vec3(1, 0.7, 0.5), Vec3::Zero(), kSpin, t);
     };
-    SurfaceTracker tracker(initial_mesh(*field_at(0), 0.12, {}),
-                           {.method = "material", .integrator = TimeIntegrator::rk4, .fairing = fairing});
+    SurfaceTracker tracker(
+        initial_mesh(*field_at(0), 0.12, {}),
+        {.method = evaluate_material, .integrator = TimeIntegrator::rk4, .fairing = fairing});
     for (int step = 0; step < 15; ++step) {
       testing::FunctionMotion motion(0.1 * step, 0.1 * (step + 1), field_at);
       tracker.step(motion);

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <ostream>
 
+#include "surface/motion/velocity_methods.h"
 #include "surface/remesh/initial_mesh.h"
 #include "surface/tracker/surface_tracker.h"
 #include "tests/surface/mesh/analytic_fields.h"
@@ -30,7 +31,7 @@ auto turning(int count, double radius, int n) {
 SurfaceTracker tracker_of(const TriangleMesh& start, const std::string& method, TimeIntegrator integrator,
                           double damping = 1e-6) {
   return {start,
-          {.method = method,
+          {.method = velocity_method(method).evaluate,
            .integrator = integrator,
            .velocity = {.damping = damping, .speed_limit = 4},
            .projection = {.tolerance = 1e-10},

@@ -9,6 +9,9 @@
 #include "surface/measure/material_tracers.h"
 #include "surface/measure/surface_state.h"
 #include "surface/mesh/mesh_measures.h"
+#include "surface/motion/curvature_invariance.h"
+#include "surface/motion/material.h"
+#include "surface/motion/velocity_methods.h"
 #include "surface/remesh/initial_mesh.h"
 #include "surface/tracker/surface_tracker.h"
 #include "tests/surface/mesh/analytic_fields.h"
@@ -41,7 +44,7 @@ Vec3 moved_with_ellipsoid(const Vec3& x, double t) {
 
 double trajectory_error(TimeIntegrator integrator, int steps) {
   const TriangleMesh start = initial_mesh(*moving_ellipsoid(0, 1).at(0), 0.3, {.tolerance = 1e-13});
-  SurfaceTracker tracker(start, {.method = "material",
+  SurfaceTracker tracker(start, {.method = evaluate_material,
                                  .integrator = integrator,
                                  .projection = {.tolerance = 1e-13},
                                  .fairing = {.iterations = 0}});
@@ -66,7 +69,7 @@ TEST(Tracker, IntegratorsHaveTheirOrder) {
 }
 
 TEST(Tracker, RefusesAnUnknownMethod) {
-  EXPECT_THROW(SurfaceTracker(TriangleMesh{}, {.method = "no such method"}), InvalidInput);
+  EXPECT_THROW(SurfaceTracker(TriangleMesh{}, {.method = nullptr}), InvalidInput);
 }
 
 std::vector<Vec3> three_on_a_circle(double radius) {
@@ -86,7 +89,7 @@ TEST(Tracker, ReproducesATranslationWithFairing) {
   }
   const ParticleFieldOptions options{.sigma = 1, .threshold = 1.5};
   const TriangleMesh start = initial_mesh(*particle_field(at_t0, options), 0.25, {});
-  SurfaceTracker tracker(start, {.method = "material"});
+  SurfaceTracker tracker(start, {.method = evaluate_material});
   for (int n = 0; n < 5; ++n) {
     Particles at_t1 = at_t0;
     at_t1.time += 0.1;
@@ -108,7 +111,7 @@ TEST(Tracker, SameBitsForAnyNumberOfThreads) {
     auto first = testing::turning_particles(0, 0.02, three_on_a_circle(0.5), 1, 0.3);
     auto second = testing::turning_particles(0.02, 0.04, three_on_a_circle(0.5), 1, 0.3);
     SurfaceTracker tracker(initial_mesh(*first.at(0), 0.12, {}),
-                           {.velocity = {.damping = 1e-3, .speed_limit = 4}});
+                           {.method = evaluate_curvature, .velocity = {.damping = 1e-3, .speed_limit = 4}});
     tracker.step(first);
     tracker.step(second);
     result.push_back(tracker.mesh().position);
@@ -123,7 +126,8 @@ TEST(Tracker, StageOutsideTheSupportStaysFiniteAndIsFlagged) {
     FieldParticles particles = testing::rotating_particles({Vec3(6 * t, 0, 0)}, 1, 0);
     return std::make_shared<ParticleField>(particles, 0.3, t);
   });
-  SurfaceTracker tracker(initial_mesh(*motion.at(0), 0.2, {}), {.integrator = TimeIntegrator::rk4});
+  SurfaceTracker tracker(initial_mesh(*motion.at(0), 0.2, {}),
+                         {.method = evaluate_curvature, .integrator = TimeIntegrator::rk4});
   const TrackerStep step = tracker.step(motion);
   EXPECT_EQ(step.unprojected, tracker.mesh().vertex_count());
   for (const Vec3& x : tracker.mesh().position) EXPECT_TRUE(x.allFinite());
@@ -142,7 +146,7 @@ TEST(Tracker, EveryVertexIsOnTheSurfaceOrFlaggedInATearingFlow) {
     particles.velocity = {Vec3(-1, 0, 0), Vec3(1, 0, 0)};
     return std::make_shared<ParticleField>(particles, 0.3, t);
   };
-  SurfaceTracker tracker(initial_mesh(*field_at(0), 0.15, {}), {.method = "curvature"});
+  SurfaceTracker tracker(initial_mesh(*field_at(0), 0.15, {}), {.method = evaluate_curvature});
   std::size_t flagged = 0, all = 0;
   for (int n = 0; n < 20; ++n) {
     FunctionMotion motion(0.05 * n, 0.05 * (n + 1), field_at);
@@ -169,7 +173,7 @@ TEST(State, GaussBonnetWithSecondOrder) {
     for (const double spacing : {0.2, 0.05}) {
       const TriangleMesh mesh = initial_mesh(*field, spacing, {.tolerance = 1e-10});
       const VertexRings rings = vertex_rings(mesh.vertex_count(), mesh.triangles);
-      const SurfaceState state = surface_state(*field, mesh, rings, velocity_method("normal"), {});
+      const SurfaceState state = surface_state(*field, mesh, rings, velocity_method("normal").evaluate, {});
       double sum = 0;
       for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
         sum += state.gaussian_curvature[v] * state.area[v];
@@ -185,7 +189,7 @@ TEST(State, SphereHasItsCurvaturesAndOutwardNormals) {
   const EllipsoidField field = sphere(2);
   const TriangleMesh mesh = initial_mesh(field, 0.4, {.tolerance = 1e-12});
   const SurfaceState state = surface_state(field, mesh, vertex_rings(mesh.vertex_count(), mesh.triangles),
-                                           velocity_method("normal"), {});
+                                           velocity_method("normal").evaluate, {});
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
     EXPECT_NEAR(state.mean_curvature[v], 0.5, 1e-10);
     EXPECT_NEAR(state.gaussian_curvature[v], 0.25, 1e-10);
@@ -204,13 +208,13 @@ TEST(State, MaterialCapturesTheRotationWithoutSlipAndNormalHasTheSlipOne) {
   const TriangleMesh mesh = initial_mesh(field, 0.2, {});
   const VertexRings rings = vertex_rings(mesh.vertex_count(), mesh.triangles);
   const Vec3 axis = spin.normalized();
-  const SurfaceState material = surface_state(field, mesh, rings, velocity_method("material"), {});
+  const SurfaceState material = surface_state(field, mesh, rings, velocity_method("material").evaluate, {});
   EXPECT_LT(slip(material).value(), 1e-12);
   EXPECT_NEAR(captured(mesh, material, axis).value(), 1, 1e-12);
   EXPECT_LT((fitted_angular_velocity(mesh.position, material.area, material.motion.velocity) - spin).norm(),
             1e-12);
 
-  const SurfaceState normal = surface_state(field, mesh, rings, velocity_method("normal"), {});
+  const SurfaceState normal = surface_state(field, mesh, rings, velocity_method("normal").evaluate, {});
   EXPECT_NEAR(slip(normal).value(), 1, 1e-12);
   EXPECT_LT(captured(mesh, normal, axis).value(), 0.9);
 }
@@ -223,7 +227,7 @@ TEST(State, RotationCapturedLooksAtTheLargestPieceOnly) {
   const ParticleField field(particles, 0.3, 0);
   const TriangleMesh mesh = initial_mesh(field, 0.15, {});
   const VertexRings rings = vertex_rings(mesh.vertex_count(), mesh.triangles);
-  SurfaceState state = surface_state(field, mesh, rings, velocity_method("material"), {});
+  SurfaceState state = surface_state(field, mesh, rings, velocity_method("material").evaluate, {});
   const double all = captured(mesh, state, Vec3::UnitZ()).value();
   EXPECT_NEAR(all, 1, 1e-12);
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
@@ -244,11 +248,11 @@ TEST(State, NoRotationGivesNoValue) {
   const EllipsoidField moving(Vec3::Zero(), Mat3::Identity(), Vec3(1, 0.7, 0.5), Vec3(1, 0, 0));
   const TriangleMesh mesh = initial_mesh(moving, 0.2, {});
   const VertexRings rings = vertex_rings(mesh.vertex_count(), mesh.triangles);
-  const SurfaceState state = surface_state(moving, mesh, rings, velocity_method("total"), {});
+  const SurfaceState state = surface_state(moving, mesh, rings, velocity_method("total").evaluate, {});
   EXPECT_FALSE(captured(mesh, state, Vec3::UnitZ()).has_value());
   EXPECT_TRUE(slip(state).has_value());
   const EllipsoidField still = sphere(1);
-  const SurfaceState at_rest = surface_state(still, mesh, rings, velocity_method("normal"), {});
+  const SurfaceState at_rest = surface_state(still, mesh, rings, velocity_method("normal").evaluate, {});
   EXPECT_FALSE(slip(at_rest).has_value());
 }
 

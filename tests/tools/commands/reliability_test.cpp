@@ -9,8 +9,8 @@
 #include <set>
 
 #include "core/stopwatch.h"
-#include "surface/motion/velocity.h"
 #include "tests/tools/program.h"
+#include "surface/motion/velocity_methods.h"
 #include "tests/tools/everything_scene.h"
 #include "tests/tools/full_disk.h"
 #include "tests/tools/scratch.h"

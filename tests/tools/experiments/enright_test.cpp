@@ -3,6 +3,7 @@
 #include <tbb/global_control.h>
 
 #include "surface/mesh/mesh_measures.h"
+#include "surface/motion/velocity_methods.h"
 #include "surface/remesh/initial_mesh.h"
 #include "surface/tracker/surface_tracker.h"
 #include "tests/surface/remesh/mesh_in_order.h"
@@ -68,10 +69,11 @@ TEST(Enright, TrackerFollowsItWithTheSameBitsForAnyNumberOfThreads) {
     std::vector<std::vector<Vec3>> result;
     for (const std::size_t threads : {1, 3}) {
       const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-      SurfaceTracker tracker(initial_mesh(EnrightField(0), 0.06, {}), {.method = method,
-                                                                       .integrator = TimeIntegrator::rk4,
-                                                                       .velocity = kExact,
-                                                                       .fairing = {.iterations = 0}});
+      SurfaceTracker tracker(initial_mesh(EnrightField(0), 0.06, {}),
+                             {.method = velocity_method(method).evaluate,
+                              .integrator = TimeIntegrator::rk4,
+                              .velocity = kExact,
+                              .fairing = {.iterations = 0}});
       for (int n = 0; n < 3; ++n) {
         EnrightMotion motion(0.05 * n, 0.05 * (n + 1));
         const TrackerStep step = tracker.step(motion);

@@ -7,6 +7,7 @@
 #include "core/errors.h"
 #include "scenes/scene.h"
 #include "surface/field/particle_motion.h"
+#include "surface/motion/velocity_methods.h"
 #include "surface/remesh/initial_mesh.h"
 #include "tests/tools/scratch.h"
 #include "tools/runs/timings.h"
@@ -28,7 +29,7 @@ TEST(Metrics, SphereOfOneParticle) {
   const auto field = one_particle();
   const TriangleMesh mesh = initial_mesh(*field, 0.1, {});
   const VertexRings rings = vertex_rings(mesh.vertex_count(), mesh.triangles);
-  const SurfaceState state = surface_state(*field, mesh, rings, velocity_method("normal"), {});
+  const SurfaceState state = surface_state(*field, mesh, rings, velocity_method("normal").evaluate, {});
   FrameMetrics frame;
   const TriangleMesh isosurface = measure_isosurface(*field, 1, frame);
   const SurfaceMetrics metrics = surface_metrics(*field, isosurface, mesh, state, Vec3(0, 0, 1));

@@ -21,8 +21,8 @@ void expect_same(const Simulation& one, const Simulation& other) {
   EXPECT_EQ(one.fluid().sources(), other.fluid().sources());
   EXPECT_EQ(one.particles().position, other.particles().position);
   EXPECT_EQ(one.particles().velocity, other.particles().velocity);
-  EXPECT_TRUE(std::ranges::equal(one.surfaces().tracers().position(), other.surfaces().tracers().position()));
-  EXPECT_TRUE(std::ranges::equal(one.surfaces().tracers().lost(), other.surfaces().tracers().lost()));
+  EXPECT_TRUE(std::ranges::equal(one.tracers().position(), other.tracers().position()));
+  EXPECT_TRUE(std::ranges::equal(one.tracers().lost(), other.tracers().lost()));
   for (std::size_t m = 0; m < one.trackers().size(); ++m) {
     const TriangleMesh &a = one.trackers()[m].mesh(), &b = other.trackers()[m].mesh();
     EXPECT_EQ(a.position, b.position);
@@ -36,9 +36,16 @@ void expect_same(const Simulation& one, const Simulation& other) {
 void expect_same(const SinceFrame& one, const SinceFrame& other) {
   EXPECT_EQ(one.density_error_mean, other.density_error_mean);
   EXPECT_EQ(one.density_error_max, other.density_error_max);
-  EXPECT_EQ(one.surfaces.residual_max, other.surfaces.residual_max);
-  for (std::size_t m = 0; m < one.surfaces.topology.size(); ++m)
-    EXPECT_EQ(one.surfaces.topology[m].vertices_born, other.surfaces.topology[m].vertices_born);
+  ASSERT_EQ(one.surfaces.size(), other.surfaces.size());
+  for (std::size_t m = 0; m < one.surfaces.size(); ++m) {
+    const TrackerStep &a = one.surfaces[m], &b = other.surfaces[m];
+    EXPECT_EQ(a.residual_max, b.residual_max);
+    EXPECT_EQ(a.unprojected, b.unprojected);
+    EXPECT_EQ(a.topology.vertices_born, b.topology.vertices_born);
+    EXPECT_EQ(a.edits.splits, b.edits.splits);
+    EXPECT_EQ(a.edits.collapses, b.edits.collapses);
+    EXPECT_EQ(a.edits.flips, b.edits.flips);
+  }
 }
 
 TEST_F(Simulations, SavedAndReadBackAfterEveryStepAreTheSame) {
@@ -60,7 +67,7 @@ TEST_F(Simulations, SavedAndReadBackAfterEveryStepAreTheSame) {
     expect_same(whole, *saved);
     const SinceFrame since = whole.take_since_frame();
     expect_same(since, saved->take_since_frame());
-    for (const TopologyCounts& counts : since.surfaces.topology) topology_changes += counts.replaced;
+    for (const TrackerStep& surface : since.surfaces) topology_changes += surface.topology.replaced;
     if (HasFailure()) break;
   }
   EXPECT_GT(steps, 20);

@@ -12,6 +12,7 @@
 #include "core/errors.h"
 #include "scenes/mesh_file.h"
 #include "scenes/scene.h"
+#include "surface/motion/velocity_methods.h"
 #include "surface/remesh/initial_mesh.h"
 #include "tests/tools/full_disk.h"
 #include "tests/tools/scratch.h"
@@ -81,7 +82,7 @@ TriangleMesh directly_tracked(const std::string& method) {
   const double dt = 0.1 * (kFrames - 1) / kSteps;
   const SurfaceDescription description;
   TrackerOptions options = description.tracker;
-  options.method = method;
+  options.method = velocity_method(method).evaluate;
   options.remeshing.edge_length = description.edge_length * kSigma;
   options.topology.follows_field = description.topology;
   RigidParticles start(at_rest, kThreshold, kBodyMotion, 0, dt);

@@ -1,0 +1,30 @@
+#include "surface/measure/surface_motion.h"
+
+#include <cmath>
+#include <vector>
+
+#include "core/parallel.h"
+#include "core/quantile.h"
+#include "core/solid_distance.h"
+#include "surface/mesh/isosurface.h"
+
+namespace kappaflow {
+namespace {
+
+constexpr double kMeasuredShare = 0.95;   // of the vertices
+constexpr double kMeasuredSpacing = 0.5;  // of the surfaces there, in sigma
+
+}  // namespace
+
+double surface_motion(const Field& before, const Field& after, double sigma) {
+  const TriangleMesh from = extract_isosurface(before, kMeasuredSpacing * sigma),
+                     to = extract_isosurface(after, kMeasuredSpacing * sigma);
+  if (from.triangles.empty() || to.triangles.empty()) return 0;
+  const SolidDistance surface(TriangleSurface{from.position, from.triangles});
+  std::vector<double> distance(to.vertex_count());
+  parallel_for(distance.size(),
+               [&](std::size_t v) { distance[v] = std::abs(surface.nearest(to.position[v]).distance); });
+  return quantile(distance, kMeasuredShare) / sigma;
+}
+
+}  // namespace kappaflow

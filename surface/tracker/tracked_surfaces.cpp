@@ -1,0 +1,167 @@
+#include "surface/tracker/tracked_surfaces.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/errors.h"
+#include "core/nearest_points.h"
+#include "core/quantile.h"
+#include "core/whole_within.h"
+#include "surface/motion/material.h"
+#include "surface/motion/regional.h"
+#include "surface/remesh/initial_mesh.h"
+
+namespace kappaflow {
+namespace {
+
+constexpr double kShareOfFast = 0.999;  // a few that fly off do not set the number of steps
+constexpr int kMostSteps = 1000000;     // from one instant to the next
+
+std::vector<VelocityFunction> velocities_of(const SurfaceOptions& options) {
+  if (!options.velocities.empty()) return options.velocities;
+  return {options.is_cloud ? evaluate_regional : evaluate_material};
+}
+
+std::vector<SurfaceTracker> make_trackers(const Field& field, double sigma, const SurfaceOptions& surface) {
+  const double edge_length = surface.edge_length * sigma;
+  TriangleMesh mesh = initial_mesh(field, edge_length, surface.tracker.projection);
+  if (mesh.triangles.empty())
+    throw InvalidInput(
+        fmt::format("{}: the surface is empty: Eq. 12 stays below the threshold everywhere", surface.name));
+  TrackerOptions options = surface.tracker;
+  options.remeshing.edge_length = surface.remesh ? edge_length : 0;
+  options.topology.follows_field = surface.topology;
+  mesh = SurfaceTracker::settled(field, std::move(mesh), options);
+  std::vector<SurfaceTracker> trackers;
+  for (VelocityFunction& velocity : velocities_of(surface)) {
+    options.method = std::move(velocity);
+    trackers.emplace_back(mesh, options);
+  }
+  return trackers;
+}
+
+/// The speed [m/s] that all but a few particles stay below.
+double fast_speed(const Particles& particles) {
+  if (particles.velocity.empty()) return 0;
+  std::vector<double> speed;
+  speed.reserve(particles.size());
+  for (const Vec3& v : particles.velocity) speed.push_back(v.norm());
+  return quantile(speed, kShareOfFast);
+}
+
+}  // namespace
+
+ParticleFieldOptions field_options(const SurfaceOptions& options, std::span<const Vec3> first) {
+  ParticleFieldOptions field;
+  field.sigma = options.sigma * (options.spacing ? *options.spacing : particle_spacing(first));
+  field.weights = options.weights;
+  field.threshold = options.threshold.value_or(0);
+  if (!options.threshold) {
+    const std::vector<double> weights = field_weights(first, field.sigma, field.weights);
+    field.threshold = half_median_threshold(first, weights, field.sigma);
+  }
+  return field;
+}
+
+TrackedSurfaces::TrackedSurfaces(Particles first, const SurfaceOptions& options)
+    : TrackedSurfaces(std::move(first), nullptr, options) {}
+
+TrackedSurfaces::TrackedSurfaces(Particles first, const Particles& next, const SurfaceOptions& options)
+    : TrackedSurfaces(std::move(first), &next, options) {}
+
+TrackedSurfaces::TrackedSurfaces(Particles first, const Particles* next, const SurfaceOptions& options)
+    : particles_(std::move(first)),
+      field_options_(kappaflow::field_options(options, particles_.position)),
+      is_cloud_(options.is_cloud),
+      motion_per_step_(options.motion_per_step),
+      name_(options.name),
+      field_(next ? motion_to(*next).at(particles_.time) : particle_field(particles_, field_options_)),
+      trackers_(make_trackers(*field_, field_options_.sigma, options)),
+      report_(trackers_.size()) {}
+
+/// Particles without velocities say nothing about how fast their surface may be: it is what the motion of a
+/// cloud allows.
+double TrackedSurfaces::cloud_speed_to(const Particles& next) const {
+  return is_cloud_ ? kLargestCloudMotion * field_options_.sigma / (next.time - particles_.time) : 0;
+}
+
+ParticleMotion TrackedSurfaces::motion_to(const Particles& next) const {
+  ParticleFieldOptions options = field_options_;
+  options.cloud_speed = cloud_speed_to(next);
+  return {particles_, next, options};
+}
+
+int TrackedSurfaces::steps_to(const Particles& next) const {
+  if (motion_per_step_ == kInfinity) return 1;
+  const double speed = std::max({fast_speed(particles_), fast_speed(next), cloud_speed_to(next)});
+  const double steps = speed * (next.time - particles_.time) / (motion_per_step_ * field_options_.sigma);
+  if (!(steps <= kMostSteps))
+    throw InvalidInput(
+        fmt::format("{}: particles at {:.3g} m/s move {:.3g} sigma from the instant {:.6g} s to the next; at "
+                    "most {:.3g} are allowed",
+                    name_, speed, steps * motion_per_step_, particles_.time, kMostSteps * motion_per_step_));
+  return whole_within(std::ceil(steps), 1, kMostSteps);
+}
+
+bool TrackedSurfaces::step(Particles next, const Watch& watch) {
+  ParticleMotion motion = motion_to(next);
+  const int steps = steps_to(next);
+  const double t0 = motion.t0(), dt = (motion.t1() - t0) / steps;
+  double time = t0;
+  for (int s = 1; s <= steps; ++s) {
+    const double end = s == steps ? motion.t1() : t0 + s * dt;
+    MotionPart part(motion, time, end);
+    step_trackers(part);
+    if (watch && !watch(part) && s < steps) return false;
+    motion.forget_before(end);
+    time = end;
+  }
+  particles_ = std::move(next);
+  return true;
+}
+
+void TrackedSurfaces::step_trackers(FieldMotion& motion) {
+  for (std::size_t m = 0; m < trackers_.size(); ++m) report_[m] += trackers_[m].step(motion);
+  field_ = motion.at(motion.t1());
+}
+
+void TrackedSurfaces::settle() {
+  for (std::size_t m = 0; m < trackers_.size(); ++m) report_[m] += trackers_[m].settle(*field_);
+}
+
+void TrackedSurfaces::advance(Particles next) {
+  step(std::move(next));
+  settle();
+}
+
+SurfaceState TrackedSurfaces::state(std::size_t surface) const {
+  const SurfaceTracker& tracker = trackers_[surface];
+  return surface_state(*field_, tracker.mesh(), tracker.rings(), tracker.method(),
+                       tracker.options().velocity);
+}
+
+void TrackedSurfaces::find_sources(std::span<const int> source) {
+  if (source.empty()) return;
+  for (SurfaceTracker& tracker : trackers_) {
+    const std::span<int> of_vertex = tracker.source();
+    std::vector<std::size_t> unknown;
+    std::vector<Vec3> place;
+    for (std::size_t v = 0; v < of_vertex.size(); ++v) {
+      if (of_vertex[v] != kUnknownSource) continue;
+      unknown.push_back(v);
+      place.push_back(tracker.mesh().position[v]);
+    }
+    if (unknown.empty()) continue;
+    const std::vector<std::uint32_t> nearest = nearest_points(particles_.position, place);
+    for (std::size_t k = 0; k < unknown.size(); ++k) of_vertex[unknown[k]] = source[nearest[k]];
+  }
+}
+
+std::vector<TrackerStep> TrackedSurfaces::take_report() {
+  return std::exchange(report_, std::vector<TrackerStep>(trackers_.size()));
+}
+
+}  // namespace kappaflow

@@ -1,0 +1,125 @@
+// The surface of a body of particles, followed from one instant to the next: the whole recipe, from particles
+// to a mesh that is ready to be shown.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/particles.h"
+#include "surface/field/particle_motion.h"
+#include "surface/measure/surface_state.h"
+#include "surface/tracker/surface_tracker.h"
+
+namespace kappaflow {
+
+/// The furthest that the surface of a point cloud may move from one instant to the next, in sigma (see
+/// surface_motion()): beyond it the mean of both fields no longer stands for the field between them
+/// (docs/track.md has measurements).
+inline constexpr double kLargestCloudMotion = 0.1;
+
+/// How the surface of particles is defined, meshed and tracked. The defaults suit liquids.
+struct SurfaceOptions {
+  double sigma = 2;  ///< support radius of Eq. 12 in particle spacings
+  std::optional<double>
+      spacing{};  ///< of the particles [m]; empty: measured, particle_spacing() of the first
+  /// T of Eq. 12; empty: half the median of the field at the first particles.
+  std::optional<double> threshold{};
+  WeightRule weights = WeightRule::uniform;
+  double edge_length = 0.5;  ///< of the mesh where it is flat, in units of sigma
+  bool remesh = true;        ///< whether the mesh's connectivity follows the surface
+  bool topology = true;      ///< and whether its topology does
+  /// Whether velocities are unknown, all zero, and ids pair no particle with itself at another instant.
+  bool is_cloud = false;
+  /// The fast particles move by this at most in one step, in units of sigma; infinite: the caller's instants
+  /// are the steps.
+  double motion_per_step = 0.2;
+  /// One surface for each, all from the same first mesh; empty: evaluate_material, or evaluate_regional for a
+  /// point cloud.
+  std::vector<VelocityFunction> velocities{};
+  TrackerOptions tracker{};  ///< method, remeshing.edge_length and topology.follows_field follow from above
+  std::string name = "the particles";  ///< how errors begin
+};
+
+/// The field that options ask for. first: the particles that what is not given is taken from. Throws
+/// InvalidInput as particle_spacing() and half_median_threshold() do.
+ParticleFieldOptions field_options(const SurfaceOptions& options, std::span<const Vec3> first);
+
+/// Follows the surface of particles through time, with one velocity method or with several side by side. All
+/// surfaces start from one mesh and see the same fields, so that differences between them are the methods'
+/// own; `surface` counts them from 0.
+///
+/// After an exception of step(), advance() or settle() the surfaces can only be destroyed or assigned to.
+class TrackedSurfaces {
+ public:
+  /// Meshes the surface of the first particles. Throws InvalidInput when particles or options are not sound,
+  /// or the surface is empty.
+  explicit TrackedSurfaces(Particles first, const SurfaceOptions& options = {});
+  /// The same, where the next particles are known already. The mesh does not depend on them, but the field's
+  /// rates do: without them a point cloud is at rest in the first frame.
+  TrackedSurfaces(Particles first, const Particles& next, const SurfaceOptions& options = {});
+
+  /// Called after each step with its motion, for what else is to move with the fields; returns whether to go
+  /// on.
+  using Watch = std::function<bool(FieldMotion& step)>;
+
+  /// Moves the surfaces to the next particles, paired with the last ones by id, in as many steps as
+  /// steps_to() says. Returns false when `watch` stopped it before the last of them; the surfaces have then
+  /// reached an instant in between and can go no further. Throws InvalidInput when `next` is not sound or not
+  /// later, and what the velocity methods throw.
+  bool step(Particles next, const Watch& watch = {});
+  /// Makes the surfaces ready to be shown, see SurfaceTracker::settle(): before every frame.
+  void settle();
+  /// step() and settle(): from frame to frame.
+  void advance(Particles next);
+
+  /// In how many steps step() goes to the next particles. Throws InvalidInput where they would never end.
+  int steps_to(const Particles& next) const;
+
+  double time() const { return particles_.time; }            ///< [s]
+  const Particles& particles() const { return particles_; }  ///< at that time
+  const Field& field() const { return *field_; }             ///< at that time
+  const ParticleFieldOptions& field_options() const { return field_options_; }
+  const std::vector<SurfaceTracker>& trackers() const { return trackers_; }  ///< one a velocity method
+  const TriangleMesh& mesh(std::size_t surface = 0) const { return trackers_[surface].mesh(); }
+  /// Normals, curvatures, velocities of one surface at its vertices.
+  SurfaceState state(std::size_t surface = 0) const;
+
+  /// Gives every vertex of unknown source that of the nearest particle. One entry a particle; source may be
+  /// empty, and then nothing happens.
+  void find_sources(std::span<const int> source);
+
+  /// What happened since the last call, an entry a surface; the next one starts anew.
+  std::vector<TrackerStep> take_report();
+
+  /// See core/saved_state.h; for surfaces that were made with the same options. field() is not saved: there
+  /// is none until the next step.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(particles_);
+    for (SurfaceTracker& tracker : trackers_) archive(tracker);
+    archive(report_);
+    if constexpr (Archive::is_loading::value) field_ = nullptr;
+  }
+
+ private:
+  TrackedSurfaces(Particles first, const Particles* next, const SurfaceOptions& options);
+
+  double cloud_speed_to(const Particles& next) const;
+  ParticleMotion motion_to(const Particles& next) const;
+  void step_trackers(FieldMotion& motion);
+
+  Particles particles_;
+  ParticleFieldOptions field_options_;
+  bool is_cloud_;
+  double motion_per_step_;
+  std::string name_;
+  std::shared_ptr<const Field> field_;
+  std::vector<SurfaceTracker> trackers_;
+  std::vector<TrackerStep> report_;
+};
+
+}  // namespace kappaflow
