@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "core/errors.h"
+#include "core/read_file.h"
 #include "core/saved_state.h"
 #include "tools/io/files.h"
 

@@ -4,7 +4,6 @@
 #include <glob.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -15,6 +14,7 @@
 #include <tuple>
 
 #include "core/errors.h"
+#include "core/parse_number.h"
 
 namespace kappaflow {
 namespace {
@@ -46,10 +46,8 @@ NumberedName numbered(const std::string& file) {
 }
 
 std::uint64_t value_of(const std::string& digits, const fs::path& file) {
-  std::uint64_t value = 0;
-  if (std::from_chars(digits.data(), digits.data() + digits.size(), value).ec != std::errc())
-    throw InvalidInput({file.string()}, "a number in the name is too long");
-  return value;
+  if (const auto value = parse_number<std::uint64_t>(digits)) return *value;
+  throw InvalidInput({file.string()}, "a number in the name is too long");
 }
 
 struct FreeGlob {
@@ -183,7 +181,8 @@ std::vector<std::uint64_t> steps_of(const std::vector<NumberedName>& names) {
   return steps;
 }
 
-/// The most frequent step; of several the one that most others are multiples of, of several the largest.
+/// The most frequent step. If several are, the one of them that most others are multiples of, then the
+/// largest.
 std::uint64_t usual_step(const std::vector<std::uint64_t>& steps) {
   const std::set<std::uint64_t> different(steps.begin(), steps.end());
   const auto rank = [&](std::uint64_t step) {

@@ -13,6 +13,7 @@
 #include <system_error>
 
 #include "core/errors.h"
+#include "core/read_file.h"
 
 namespace kappaflow {
 namespace {

@@ -6,8 +6,6 @@
 #include <string>
 #include <string_view>
 
-#include "core/read_file.h"
-
 namespace kappaflow {
 
 /// Writes `content` to a temporary file beside `path` and renames it, so that nobody ever sees half of it.

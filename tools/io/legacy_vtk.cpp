@@ -11,6 +11,7 @@
 
 #include "core/errors.h"
 #include "core/named.h"
+#include "core/parse_number.h"
 #include "core/text_scanner.h"
 
 namespace kappaflow {
@@ -65,12 +66,8 @@ class Cursor {
   }
   std::size_t count(std::string_view what) {
     const std::string_view found = needed_word(what);
-    std::size_t value = 0;
-    const auto [end, error] = std::from_chars(found.data(), found.data() + found.size(), value);
-    if (error != std::errc() || end != found.data() + found.size())
-      throw InvalidInput(
-          fmt::format("{} is \"{}\"; expected a whole number >= 0", what, one_line(found, 30)));
-    return value;
+    if (const auto count = parse_number<std::size_t>(found)) return *count;
+    throw InvalidInput(fmt::format("{} is \"{}\"; expected a whole number >= 0", what, one_line(found, 30)));
   }
   /// What an array holds, in lower case.
   std::string type() { return lower_case(needed_word("the type of its numbers")); }

@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
+#include <optional>
 
 #include "core/errors.h"
+#include "core/parse_number.h"
+#include "core/read_file.h"
 #include "core/text_scanner.h"
-#include "tools/io/files.h"
+#include "tools/io/csv.h"
 
 namespace kappaflow {
 namespace {
@@ -24,29 +26,6 @@ std::string_view without_quotes(std::string_view cell) {
   cell = trimmed(cell);
   const bool quoted = cell.size() >= 2 && cell.front() == '"' && cell.back() == '"';
   return quoted ? trimmed(cell.substr(1, cell.size() - 2)) : cell;
-}
-
-/// The cells of a line, which may hold separators between quotes.
-std::vector<std::string_view> cells_between(std::string_view line, char separator) {
-  std::vector<std::string_view> cells;
-  bool quoted = false;
-  std::size_t begin = 0;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    if (line[i] == '"') quoted = !quoted;
-    if (line[i] != separator || quoted) continue;
-    cells.push_back(line.substr(begin, i - begin));
-    begin = i + 1;
-  }
-  cells.push_back(line.substr(begin));
-  return cells;
-}
-
-/// The text up to the end of the line that begins at `at`, which moves on to the next line.
-std::string_view line_at(std::string_view text, std::size_t& at) {
-  const std::size_t end = std::min(text.find_first_of("\r\n", at), text.size());
-  const std::string_view line = text.substr(at, end - at);
-  at = end + (text.substr(end).starts_with("\r\n") ? 2 : 1);
-  return line;
 }
 
 /// x, y, z and vx, vy, vz for a component of positions or velocities: Points:0, velocity_1, pos.z.
@@ -67,13 +46,12 @@ std::string usual_name(const std::string& name) {
 
 double number_in(std::string_view cell, const SourcePosition& where) {
   const std::string_view digits = without_quotes(cell);
-  double number = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
-  if (error != std::errc() || end != digits.data() + digits.size() || !std::isfinite(number))
+  const std::optional<double> number = parse_number<double>(digits);
+  if (!number || !std::isfinite(*number))
     throw InvalidInput(
         where, fmt::format("found \"{}\"; expected a finite number{}", one_line(digits, 30),
                            digits.find(',') == std::string_view::npos ? "" : " with a decimal point"));
-  return number;
+  return *number;
 }
 
 }  // namespace
@@ -88,7 +66,7 @@ NumberTable::NumberTable(const std::filesystem::path& file, std::string allowed)
   std::string_view header = trimmed(line_at(text_, body_));
   if (header.starts_with('#')) header.remove_prefix(1);  // as NumPy's savetxt writes it
   if (header.find(';') != std::string_view::npos) separator_ = ';';
-  for (const std::string_view cell : cells_between(header, separator_)) {
+  for (const std::string_view cell : csv_cells(header, separator_)) {
     names_.push_back(lower_case(without_quotes(cell)));
     usual_names_.push_back(usual_name(names_.back()));
   }
@@ -114,7 +92,7 @@ std::vector<std::vector<double>> NumberTable::rows(std::span<const std::size_t> 
     const std::string_view line = line_at(text_, at);
     ++where.line;
     if (trimmed(line).empty()) continue;
-    const std::vector<std::string_view> cells = cells_between(line, separator_);
+    const std::vector<std::string_view> cells = csv_cells(line, separator_);
     where.column = 0;
     if (cells.size() != names_.size())
       throw InvalidInput(where, fmt::format("found {} values; expected {}", cells.size(), names_.size()));
@@ -137,7 +115,7 @@ void NumberTable::refuse_header() const {
 std::vector<std::vector<double>> read_number_table(const std::filesystem::path& file,
                                                    std::string_view header) {
   const NumberTable table(file, fmt::format("{}, in any order", header));
-  const std::vector<std::size_t> columns = table.find(cells_between(header, ','));
+  const std::vector<std::size_t> columns = table.find(csv_cells(header, ','));
   if (columns.empty()) table.refuse_header();
   return table.rows(columns);
 }

@@ -4,22 +4,15 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
-#include <charconv>
 #include <cstdint>
 #include <cstring>
 
 #include "core/errors.h"
+#include "core/parse_number.h"
 #include "core/text_scanner.h"
 
 namespace kappaflow {
 namespace {
-
-bool same_name(std::string_view name, std::string_view lower_case) {
-  return std::ranges::equal(
-      name, lower_case, {}, [](unsigned char c) { return std::tolower(c); },
-      [](unsigned char c) { return int{c}; });
-}
 
 template <class Number>
 std::vector<double> numbers(std::string_view bytes, std::endian order) {
@@ -57,7 +50,7 @@ const PointArray* find_array(const std::vector<PointArray>& arrays,
                              std::initializer_list<std::string_view> names, std::size_t components) {
   for (const std::string_view name : names)
     for (const PointArray& array : arrays)
-      if (array.components == components && same_name(array.name, name)) return &array;
+      if (array.components == components && lower_case(array.name) == name) return &array;
   return nullptr;
 }
 
@@ -108,12 +101,8 @@ std::vector<double> binary_numbers(std::string_view bytes, NumberType type, std:
 }
 
 double number_from(std::string_view word) {
-  const std::string_view digits = word.starts_with('+') ? word.substr(1) : word;
-  double value = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  if (error != std::errc() || end != digits.data() + digits.size())
-    throw InvalidInput(fmt::format("found \"{}\" where a number is needed", one_line(word, 30)));
-  return value;
+  if (const auto number = parse_number<double>(without_plus(word))) return *number;
+  throw InvalidInput(fmt::format("found \"{}\" where a number is needed", one_line(word, 30)));
 }
 
 }  // namespace kappaflow

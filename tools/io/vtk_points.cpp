@@ -5,7 +5,7 @@
 #include <string>
 
 #include "core/errors.h"
-#include "tools/io/files.h"
+#include "core/read_file.h"
 #include "tools/io/legacy_vtk.h"
 #include "tools/io/vtk_xml.h"
 

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <exception>
 #include <memory>
@@ -16,6 +15,7 @@
 
 #include "core/errors.h"
 #include "core/named.h"
+#include "core/parse_number.h"
 #include "core/text_scanner.h"
 #include "tools/io/vtk_xml_binary.h"
 
@@ -33,11 +33,8 @@ std::string_view attribute(Attributes attributes, std::string_view name) {
 std::size_t count_in(Attributes attributes, std::string_view name, std::optional<std::size_t> fallback = {}) {
   const std::string_view text = attribute(attributes, name);
   if (text.empty() && fallback) return *fallback;
-  std::size_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size())
-    throw InvalidInput(fmt::format("{} is \"{}\"; expected a whole number >= 0", name, one_line(text, 30)));
-  return value;
+  if (const auto count = parse_number<std::size_t>(text)) return *count;
+  throw InvalidInput(fmt::format("{} is \"{}\"; expected a whole number >= 0", name, one_line(text, 30)));
 }
 
 NumberType type_in(Attributes attributes) {

@@ -19,6 +19,7 @@
 #include <type_traits>
 
 #include "core/errors.h"
+#include "core/read_file.h"
 #include "core/text_scanner.h"
 #include "tools/io/files.h"
 #include "tools/io/vtk_xml.h"

@@ -22,7 +22,7 @@ struct ParticleFrame {
   std::span<const float> pressure;  ///< [Pa]; may be empty
   std::span<const int> source;      ///< which block or emitter it comes from; may be empty
   std::span<const double> weight;   ///< w_i of Eq. 12; may be empty
-  double sigma;                     ///< support radius of Eq. 12 [m]; of no account without weights
+  double sigma;                     ///< support radius of Eq. 12 [m]; not used without weights
 };
 
 /// Point arrays velocity, density, pressure, source, id, weight and sigma (the last two let `kappaflow probe`

@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "core/errors.h"
+#include "core/read_file.h"
 #include "core/saved_state.h"
 #include "tools/io/checkpoint.h"
-#include "tools/io/files.h"
 #include "tools/runs/check.h"
 #include "tools/runs/run_record.h"
 #include "tools/runs/scene_run.h"

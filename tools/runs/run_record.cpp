@@ -13,8 +13,8 @@
 #include <variant>
 
 #include "core/errors.h"
+#include "core/read_file.h"
 #include "core/version.h"
-#include "tools/io/files.h"
 #include "tools/runs/run_folder.h"
 
 namespace kappaflow {

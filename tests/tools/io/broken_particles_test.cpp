@@ -4,6 +4,7 @@
 #include <set>
 
 #include "core/errors.h"
+#include "core/read_file.h"
 #include "tests/scenes/scene_files.h"
 #include "tools/io/input_frame.h"
 #include "tools/io/particle_file.h"

@@ -1,6 +1,7 @@
 #include "tools/io/files.h"
 
 #include "core/errors.h"
+#include "core/read_file.h"
 #include "scenes/mesh_file.h"
 #include "scenes/scene.h"
 #include "tests/tools/full_disk.h"

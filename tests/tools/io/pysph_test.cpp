@@ -2,8 +2,8 @@
 #include <random>
 
 #include "core/errors.h"
+#include "core/read_file.h"
 #include "tests/tools/scratch.h"
-#include "tools/io/files.h"
 #include "tools/io/input_frame.h"
 #include "tools/io/particle_sequence.h"
 #include "tools/io/pysph_file.h"
