@@ -9,10 +9,14 @@
 #include <map>
 #include <sstream>
 #include <string_view>
+#include <utility>
 
 #include "core/errors.h"
+#include "core/quantile.h"
 #include "tools/io/files.h"
 #include "tools/pictures/plot.h"
+#include "tools/runs/metrics.h"
+#include "tools/runs/run_folder.h"
 #include "tools/runs/run_record.h"
 
 namespace kappaflow {
@@ -22,47 +26,49 @@ namespace fs = std::filesystem;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-/// What makes a value of a metric a good one.
-enum class Best { none, least, most, one };
-
 /// A column of metrics.csv, or volume_error, which is made of two of them. noise: medians that differ by less
 /// are alike, as a share of the greater of the two, of rotation_captured as it is. So much the median of a
 /// method changes when the liquid of staircase-small.toml (1 s) begins one, two or three tenths of a spacing
 /// further.
 struct Metric {
   std::string_view name;
-  Best best;
   double noise = 0;
+
+  Better better() const {
+    const MetricColumn* column = find_metric(name);
+    return column == nullptr ? Better::lower : column->better;
+  }
 };
 
-/// Those that are not here are the same for all methods of a run.
+/// In the order of the table: how the surface moves, then what becomes of the mesh. Columns that are not here
+/// are the same for all methods of a run, or say of the mesh what others say better.
 constexpr Metric kMetrics[] = {
-    {"slip", Best::least, 0.11},
-    {"rotation_captured", Best::one, 0.05},
-    {"tracer_distance", Best::least, 0.13},
-    {"volume_error", Best::least, 0.4},
-    {"residual_max", Best::least, 0.01},
-    {"quality_min", Best::most, 0.06},
-    {"quality_mean", Best::most, 0.01},
-    {"angles_outside", Best::least},
-    {"folded_fraction", Best::least},
-    {"self_intersections", Best::least},
-    {"unprojected", Best::least},
-    {"texture_jump", Best::least, 0.1},
-    {"texture_cracks", Best::least, 0.25},
-    {"kept_fraction", Best::most, 0.05},
-    {"kept_since_frame", Best::most, 0.01},
-    {"surface_without_mesh", Best::least, 0.14},
-    {"mesh_without_surface", Best::least, 0.21},
-    {"vertices_replaced", Best::least},
-    {"regions_replaced", Best::none},
-    {"regions_refused", Best::least},
-    {"vertices", Best::none},
-    {"triangles", Best::none},
-    {"area", Best::none},
-    {"volume", Best::none},
-    {"components", Best::none},
-    {"genus", Best::none},
+    {"slip", 0.11},
+    {"rotation_captured", 0.05},
+    {"tracer_distance", 0.13},
+    {"volume_error", 0.4},
+    {"residual_max", 0.01},
+    {"quality_min", 0.06},
+    {"quality_mean", 0.01},
+    {"angles_outside"},
+    {"folded_fraction"},
+    {"self_intersections"},
+    {"unprojected"},
+    {"texture_jump", 0.1},
+    {"texture_cracks", 0.25},
+    {"kept_fraction", 0.05},
+    {"kept_since_frame", 0.01},
+    {"surface_without_mesh", 0.14},
+    {"mesh_without_surface", 0.21},
+    {"vertices_replaced"},
+    {"regions_replaced"},
+    {"regions_refused"},
+    {"vertices"},
+    {"triangles"},
+    {"area"},
+    {"volume"},
+    {"components"},
+    {"genus"},
 };
 
 constexpr double kRounding = 1e-9;  // smaller differences are that
@@ -75,7 +81,7 @@ constexpr std::size_t kTerminalWidth = 120;
 /// One method of one run: its columns over the frames; nan where a cell is empty.
 struct Series {
   std::string method;
-  std::map<std::string, std::vector<double>, std::less<>> column;
+  std::map<std::string_view, std::vector<double>> column;
 
   std::vector<double> values(std::string_view metric) const {
     if (const auto found = column.find(metric); found != column.end()) return found->second;
@@ -87,36 +93,22 @@ struct Series {
   bool competes() const { return std::ranges::find(kReferences, method) == std::end(kReferences); }
 };
 
-std::vector<std::string> cells_of(const std::string& line) {
-  std::vector<std::string> cells;
-  std::istringstream stream(line);
-  for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
-  if (line.ends_with(',')) cells.emplace_back();
-  return cells;
-}
-
 void add_volume_error(Series& series) {
   const std::vector<double> tracked = series.values("volume"), fresh = series.values("isosurface_volume");
   std::vector<double>& error = series.column["volume_error"];
   for (std::size_t f = 0; f < tracked.size(); ++f) error.push_back(std::abs(tracked[f] / fresh[f] - 1));
 }
 
-std::vector<Series> read_metrics(const fs::path& run) {
-  const fs::path file = run / "metrics.csv";
-  std::istringstream lines(read_file(file));
-  std::string line;
-  std::getline(lines, line);
-  const std::vector<std::string> names = cells_of(line);
-  const auto method_column = std::ranges::find(names, "method") - names.begin();
+/// The run's table of metrics, method by method.
+std::vector<Series> read_series(const fs::path& run) {
+  const fs::path file = run / kMetricsFile;
+  const MetricsTable table = read_metrics_table(file);
   std::vector<Series> all;
-  while (std::getline(lines, line)) {
-    const std::vector<std::string> cells = cells_of(line);
-    if (cells.size() != names.size() || method_column == std::ssize(names))
-      throw IoError(file.string(), "is not a table of metrics");
-    auto series = std::ranges::find(all, cells[method_column], &Series::method);
-    if (series == all.end()) series = all.insert(all.end(), Series{cells[method_column], {}});
-    for (std::size_t c = 0; c < cells.size(); ++c)
-      series->column[names[c]].push_back(cells[c].empty() ? kNone : std::strtod(cells[c].c_str(), nullptr));
+  for (const MetricsRow& row : table.rows) {
+    auto series = std::ranges::find(all, row.method, &Series::method);
+    if (series == all.end()) series = all.insert(all.end(), Series{row.method, {}});
+    for (const MetricColumn* column : table.columns)
+      series->column[column->name].push_back(column->number(row));
   }
   if (all.empty()) throw IoError(file.string(), "holds no frames yet");
   std::ranges::for_each(all, add_volume_error);
@@ -136,7 +128,7 @@ struct Run {
 Run read_run(const fs::path& folder) {
   const Json::Value record = read_record(folder);
   const Json::Value &scene = record["scene"], &sequence = record["sequence"];
-  Run run{folder, {}, {}, read_metrics(folder)};
+  Run run{folder, {}, {}, read_series(folder)};
   if (scene.isObject()) {
     run.title = scene["title"].asString();
     run.subject = scene["hash"].asString();
@@ -153,22 +145,19 @@ double median_of(const Series& series, std::string_view metric, double end) {
   for (std::size_t f = 0; f < values.size(); ++f)
     if (series.times()[f] > end + kRounding) values[f] = kNone;
   std::erase_if(values, [](double value) { return std::isnan(value); });
-  if (values.empty()) return kNone;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
+  return values.empty() ? kNone : upper_median(values);
 }
 
 /// How far a value is from the best; nan stays nan.
-double badness(double value, Best best) {
-  return best == Best::most ? -value : best == Best::one ? std::abs(value - 1) : value;
+double badness(double value, Better better) {
+  return better == Better::higher ? -value : better == Better::nearer_to_one ? std::abs(value - 1) : value;
 }
 
 /// Whether a value is better than another by more than noise.
 bool is_better(double value, double other, const Metric& metric) {
-  const double scale = metric.best == Best::one ? 1 : std::max(std::abs(value), std::abs(other));
-  return badness(other, metric.best) - badness(value, metric.best) >
-         std::max(metric.noise * scale, kRounding);
+  const Better better = metric.better();
+  const double scale = better == Better::nearer_to_one ? 1 : std::max(std::abs(value), std::abs(other));
+  return badness(other, better) - badness(value, better) > std::max(metric.noise * scale, kRounding);
 }
 
 /// A metric of every series.
@@ -181,7 +170,7 @@ struct Row {
 Row row_of(const std::vector<Series>& all, const Metric& metric, double end) {
   Row row{metric.name, {}, std::vector<bool>(all.size(), false)};
   for (const Series& series : all) row.medians.push_back(median_of(series, metric.name, end));
-  if (metric.best == Best::none) return row;
+  if (metric.better() == Better::neither) return row;
   const auto competes = [&](std::size_t s) { return all[s].competes() && !std::isnan(row.medians[s]); };
   const auto beaten = [&](std::size_t s) {
     for (std::size_t other = 0; other < all.size(); ++other)

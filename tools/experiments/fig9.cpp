@@ -58,7 +58,7 @@ RunSummary run_all_methods(const ExperimentContext& context) {
 /// The number of frames from the start on in which the mesh is sound.
 std::size_t sound_frames(const RunSummary& run, const MethodSummary& method) {
   std::size_t n = 0;
-  while (n < run.frames.size() && method.frames[n].sound(run.frames[n])) ++n;
+  while (n < run.frames.size() && method.frames[n].sound(run.frames[n].isosurface)) ++n;
   return n;
 }
 
@@ -68,7 +68,7 @@ std::string text(const std::optional<double>& value) {
 
 std::optional<double> median_of(std::span<const SurfaceMetrics> frames,
                                 std::optional<double> SurfaceMetrics::*member) {
-  return median(over_frames(frames, member));
+  return median_over(frames, member);
 }
 
 Table method_table(const RunSummary& run) {
@@ -97,7 +97,7 @@ Table method_table(const RunSummary& run) {
          both(&SurfaceMetrics::slip), both(&SurfaceMetrics::rotation_captured),
          fmt::format("{}, {}", n == 0 ? "-" : text(all[n - 1].tracer_distance), text(last.tracer_distance)),
          fmt::format("{:.3f}", last.quality.mean), fmt::format("{:.2f} %", 100 * last.folded_fraction),
-         fmt::format("{:+.2f} %", 100 * (last.size.volume / run.frames.back().isosurface_volume - 1))});
+         fmt::format("{:+.2f} %", 100 * (last.size.volume / run.frames.back().isosurface.volume - 1))});
   }
   return table;
 }

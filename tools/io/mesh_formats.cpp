@@ -36,7 +36,7 @@ std::string obj_text(const TexturedMesh& mesh) {
   return text;
 }
 
-std::string ply_text(const TexturedMesh& mesh) {
+std::string ply_bytes(const TexturedMesh& mesh) {
   std::string bytes = fmt::format(
       "ply\nformat binary_little_endian 1.0\ncomment kappaflow\nelement vertex {}\n"
       "property double x\nproperty double y\nproperty double z\n"
@@ -59,12 +59,12 @@ std::string ply_text(const TexturedMesh& mesh) {
 
 }  // namespace
 
-std::string mesh_text(MeshFormat format, const TexturedMesh& mesh) {
+std::string mesh_bytes(MeshFormat format, const TexturedMesh& mesh) {
   switch (format) {
     case MeshFormat::obj:
       return obj_text(mesh);
     case MeshFormat::ply:
-      return ply_text(mesh);
+      return ply_bytes(mesh);
     case MeshFormat::glb:
       return glb_bytes(mesh);
   }

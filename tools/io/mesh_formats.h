@@ -28,6 +28,6 @@ struct TexturedMesh {
 /// The bytes of a file. OBJ: text, with v (position and colour), vt, vn, and f v/vt/vn; positions to a
 /// billionth of the mesh's size, wherever it is, as far as double precision has it. PLY: binary,
 /// little-endian, with x y z in double precision, nx ny nz, s t, red green blue. GLB: see glb_bytes().
-std::string mesh_text(MeshFormat format, const TexturedMesh& mesh);
+std::string mesh_bytes(MeshFormat format, const TexturedMesh& mesh);
 
 }  // namespace kappaflow

@@ -25,8 +25,8 @@ FrameWriter::FrameWriter(const OutputDescription& output, std::vector<std::strin
 void FrameWriter::write(FrameMetrics metrics, const ParticleFrame& particles,
                         const SurfacesSinceFrame& since_frame, const Stopwatch& watch, RunSummary& summary) {
   metrics.particles = particles.particles.size();
-  const TriangleMesh isosurface =
-      measure_isosurface(surfaces_.field(), surfaces_.field_options().sigma, metrics);
+  const FreshIsosurface isosurface = fresh_isosurface(surfaces_.field(), surfaces_.field_options().sigma);
+  metrics.isosurface = isosurface.metrics;
   folder_.write_particles(metrics.frame, *particle_data(particles));
   const double shared_seconds = watch.seconds();
 
@@ -36,13 +36,13 @@ void FrameWriter::write(FrameMetrics metrics, const ParticleFrame& particles,
   for (std::size_t m = 0; m < methods_.size(); ++m) {
     const Stopwatch surface_watch;
     const std::string& method = methods_[m];
-    const SurfaceMetrics surface = write_surface(metrics, isosurface, m, since_frame.steps[m]);
+    const MetricsRow row{metrics, method, write_surface(metrics, isosurface.mesh, m, since_frame.steps[m])};
     const PhaseSeconds seconds = phase_seconds(since_frame.steps[m], since_frame.solver_seconds,
                                                shared_seconds + surface_watch.seconds());
-    rows.metrics += metrics_row(metrics, method, surface);
-    rows.pieces += pieces_rows(metrics, method, surface);
+    rows.metrics += metrics_row(row);
+    rows.pieces += pieces_rows(row);
     rows.timings += timings_row(metrics.frame, metrics.time, method, seconds, memory);
-    summary.methods[m].add_frame(method, surface, seconds);
+    summary.methods[m].add_frame(method, row.surface, seconds);
   }
   folder_.finish_frame(metrics.time, rows);
   summary.add_frame(metrics, since_frame.tracer_seconds, shared_seconds);
@@ -60,7 +60,7 @@ SurfaceMetrics FrameWriter::write_surface(const FrameMetrics& frame, const Trian
   folder_.write_surface(frame.frame, method, *surface_data({frame.time, mesh, state, checker, texture}));
   for (const MeshFormat format : formats_)
     folder_.write_mesh(frame.frame, method, format,
-                       mesh_text(format, {mesh.position, state.normal, texture, checker, mesh.triangles}));
+                       mesh_bytes(format, {mesh.position, state.normal, texture, checker, mesh.triangles}));
 
   SurfaceMetrics metrics =
       surface_metrics(surfaces_.field(), isosurface, mesh, state, output_.report_axis);

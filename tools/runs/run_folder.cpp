@@ -18,7 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kMetricsFile = "metrics.csv";
 constexpr const char* kPiecesFile = "pieces.csv";
 constexpr const char* kTimingsFile = "timings.csv";
 constexpr const char* kBeginningFolder = "beginning.tmp";  // of a run that is to replace another
@@ -83,7 +82,7 @@ fs::path made_folder(fs::path folder) {
 
 /// Of a run that was ended before it could take its place.
 void remove_beginning(const fs::path& folder) {
-  std::error_code ignored;  // it is in nobody's way
+  std::error_code ignored;  // what is left of it is in no run's way
   fs::remove_all(folder / kBeginningFolder, ignored);
 }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "tools/io/vtp_files.h"
-#include "tools/runs/metrics.h"
+#include "tools/runs/liquid_metrics.h"
 
 namespace kappaflow {
 

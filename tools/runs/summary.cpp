@@ -6,12 +6,14 @@
 #include <cmath>
 #include <vector>
 
+#include "core/quantile.h"
+
 namespace kappaflow {
 namespace {
 
 std::string median_text(std::span<const SurfaceMetrics> frames,
                         std::optional<double> SurfaceMetrics::*member) {
-  const std::optional<double> value = median(over_frames(frames, member));
+  const std::optional<double> value = median_over(frames, member);
   return value ? fmt::format("{:.4f}", *value) : "-";
 }
 
@@ -61,7 +63,7 @@ std::string method_table(const RunSummary& s) {
                   "quality min", "mean", "residual", "volume", "slip", "rotation", "unprojected");
   for (const MethodSummary& m : s.methods) {
     const SurfaceMetrics& last = m.frames.back();
-    const double volume_error = last.size.volume / s.frames.back().isosurface_volume - 1;
+    const double volume_error = last.size.volume / s.frames.back().isosurface.volume - 1;
     text += fmt::format("  {:<16}{:>9}{:>13.4f}{:>12.4f}{:>12.1e}{:>+9.2f}%{:>10}{:>10}{:>13}\n", m.name,
                         last.vertices, last.quality.min, last.quality.mean, m.residual_max(),
                         100 * volume_error, median_text(m.frames, &SurfaceMetrics::slip),
@@ -114,21 +116,12 @@ void RunSummary::add_frames_before(std::span<const MetricsRow> rows) {
   frames_before = frames.size();
 }
 
-std::optional<double> median(std::span<const std::optional<double>> values) {
+std::optional<double> median_over(std::span<const SurfaceMetrics> frames,
+                                  std::optional<double> SurfaceMetrics::*member) {
   std::vector<double> known;
-  for (const std::optional<double>& value : values)
-    if (value) known.push_back(*value);
-  if (known.empty()) return std::nullopt;
-  const auto middle = known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);
-  std::nth_element(known.begin(), middle, known.end());
-  return *middle;
-}
-
-std::vector<std::optional<double>> over_frames(std::span<const SurfaceMetrics> frames,
-                                               std::optional<double> SurfaceMetrics::*member) {
-  std::vector<std::optional<double>> values;
-  for (const SurfaceMetrics& frame : frames) values.push_back(frame.*member);
-  return values;
+  for (const SurfaceMetrics& frame : frames)
+    if (const std::optional<double>& value = frame.*member) known.push_back(*value);
+  return known.empty() ? std::nullopt : std::optional(upper_median(known));
 }
 
 std::string summary_text(const RunSummary& summary, const std::string& title,

@@ -43,12 +43,10 @@ struct RunSummary {
   void add_frames_before(std::span<const MetricsRow> rows);
 };
 
-/// The upper median of the values that there are; nullopt where there are none. Rotation captured is a ratio,
+/// The upper median over the frames that have a value; nullopt where none has. Rotation captured is a ratio,
 /// and one frame in which the material hardly turns would spoil a mean.
-std::optional<double> median(std::span<const std::optional<double>> values);
-/// One member of SurfaceMetrics over the frames.
-std::vector<std::optional<double>> over_frames(std::span<const SurfaceMetrics> frames,
-                                               std::optional<double> SurfaceMetrics::*member);
+std::optional<double> median_over(std::span<const SurfaceMetrics> frames,
+                                  std::optional<double> SurfaceMetrics::*member);
 
 /// For the terminal.
 std::string summary_text(const RunSummary& summary, const std::string& title,

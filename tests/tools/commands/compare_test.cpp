@@ -123,7 +123,7 @@ TEST_F(Compare, WhatIsNoRunIsSaid) {
   EXPECT_EQ(message_of<IoError>([&] {
               compare({{odd}, {}});
             }),
-            (odd / "metrics.csv").string() + ": is not a table of metrics");
+            (odd / "metrics.csv").string() + ": row 1 has too few cells");
 }
 
 }  // namespace

@@ -79,7 +79,7 @@ TEST_F(FarMesh, IsReadBackAsItIs) {
     const std::vector<Rgb> colour(ball.vertices.size(), Rgb{1, 2, 3});
     for (const auto& [name, format] : kMeshFormats) {
       const TriangleSurface found =
-          read(format, mesh_text(format, {ball.vertices, normal, texture, colour, ball.triangles}));
+          read(format, mesh_bytes(format, {ball.vertices, normal, texture, colour, ball.triangles}));
       ASSERT_EQ(found.vertices.size(), ball.vertices.size()) << name << " at " << scale;
       ASSERT_EQ(found.triangles.size(), ball.triangles.size());
       EXPECT_NEAR(area(found), area(ball), 1e-6 * area(ball)) << name << " at " << scale;

@@ -1,0 +1,71 @@
+#include "surface/measure/surface_metrics.h"
+
+#include "surface/motion/velocity_methods.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "surface/field/particle_motion.h"
+#include "surface/remesh/initial_mesh.h"
+
+namespace kappaflow {
+namespace {
+
+constexpr double kThreshold = 0.125;  // of one particle: (1 - r^2)^3 = 1/8 at r^2 = 1/2
+
+// One particle of sigma 1 at the origin that moves along x: its surface is a sphere.
+std::shared_ptr<const ParticleField> one_particle() {
+  const Particles particles{0, {0}, {Vec3::Zero()}, {Vec3(2, 0, 0)}};
+  return particle_field(particles, {1, WeightRule::uniform, kThreshold});
+}
+const double kRadius = std::sqrt(0.5);
+const double kVolume = 4.0 / 3.0 * std::numbers::pi * std::pow(kRadius, 3);
+
+TEST(SurfaceMetrics, SphereOfOneParticle) {
+  const auto field = one_particle();
+  const TriangleMesh mesh = initial_mesh(*field, 0.1, {});
+  const VertexRings rings = vertex_rings(mesh.vertex_count(), mesh.triangles);
+  const SurfaceState state = surface_state(*field, mesh, rings, velocity_method("normal").evaluate, {});
+  const TriangleMesh isosurface = fresh_isosurface(*field, 1).mesh;
+  const SurfaceMetrics metrics = surface_metrics(*field, isosurface, mesh, state, Vec3(0, 0, 1));
+  EXPECT_EQ(metrics.vertices, mesh.vertex_count());
+  EXPECT_EQ(metrics.triangles, mesh.triangles.size());
+  EXPECT_EQ(metrics.topology.components, 1);
+  EXPECT_EQ(metrics.topology.genus, 0);
+  EXPECT_EQ(metrics.unprojected, 0u);
+  EXPECT_LE(metrics.residual_max, ProjectionOptions().tolerance);
+  EXPECT_NEAR(metrics.size.volume, kVolume, 0.02 * kVolume);  // chords: O((edge/R)^2)
+  // The normal velocity alone lacks the whole tangential motion, and turns nothing.
+  ASSERT_TRUE(metrics.slip.has_value());
+  EXPECT_NEAR(*metrics.slip, 1, 1e-6);
+  EXPECT_FALSE(metrics.rotation_captured.has_value()) << "a translation has no rotation to capture";
+  EXPECT_EQ(metrics.angles_outside, 0);
+  EXPECT_EQ(metrics.self_intersections, 0u);
+  EXPECT_EQ(metrics.on_lattice.components, 1);
+  EXPECT_EQ(metrics.on_lattice.genus, 0);
+  EXPECT_EQ(metrics.texture.cracks, 0);
+  // The chords of both meshes: h^2 / (6 R) at the middle of a triangle of edge h, and more at longer edges.
+  EXPECT_LT(metrics.surface_without_mesh, 0.01);
+  EXPECT_LT(metrics.mesh_without_surface, 0.01);
+  EXPECT_GT(metrics.mesh_without_surface, 0.001);
+}
+
+TEST(SurfaceMetrics, ResidualIsTheDistanceInSigma) {
+  const auto field = one_particle();
+  TriangleMesh mesh = initial_mesh(*field, 0.2, {});
+  mesh.position[3] *= 1 + 1e-3;
+  EXPECT_NEAR(surface_residual(*field, mesh), 1e-3 * kRadius, 1e-3 * 1e-3 + 1e-4);
+  mesh.unprojected[3] = 1;
+  EXPECT_LE(surface_residual(*field, mesh), ProjectionOptions().tolerance) << "flagged vertices do not count";
+}
+
+TEST(SurfaceMetrics, FreshIsosurface) {
+  const IsosurfaceMetrics metrics = fresh_isosurface(*one_particle(), 1).metrics;
+  EXPECT_NEAR(metrics.volume, kVolume, 0.06 * kVolume);  // at 0.25 sigma
+  EXPECT_EQ(metrics.topology.components, 1);
+  EXPECT_EQ(metrics.topology.genus, 0);
+}
+
+}  // namespace
+}  // namespace kappaflow
