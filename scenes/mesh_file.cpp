@@ -12,8 +12,8 @@
 
 #include "core/read_file.h"
 #include "core/solids.h"
-#include "core/triangle_geometry.h"
 #include "core/text_scanner.h"
+#include "core/triangle_geometry.h"
 #include "scenes/mesh_parsers.h"
 #include "scenes/scene.h"
 #include "surface/mesh/mesh_measures.h"

@@ -44,7 +44,8 @@ double largest_error(const TriangleMesh& mesh, double time) {
 void roll() {
   const ParticleFieldOptions field{.sigma = kSigma, .threshold = 2};
   Particles now = particles_at(0);
-  SurfaceTracker tracker(initial_mesh(*particle_field(now, field), 0.5 * kSigma, {}), {.method = evaluate_regional});
+  SurfaceTracker tracker(initial_mesh(*particle_field(now, field), 0.5 * kSigma, {}),
+                         {.method = evaluate_regional});
   for (int frame = 1; frame <= kSteps; ++frame) {
     const Particles next = particles_at(frame * kFrameTime);
     ParticleMotion motion(now, next, field);

@@ -62,8 +62,7 @@ SurfaceMetrics FrameWriter::write_surface(const FrameMetrics& frame, const Trian
     folder_.write_mesh(frame.frame, method, format,
                        mesh_bytes(format, {mesh.position, state.normal, texture, checker, mesh.triangles}));
 
-  SurfaceMetrics metrics =
-      surface_metrics(surfaces_.field(), isosurface, mesh, state, output_.report_axis);
+  SurfaceMetrics metrics = surface_metrics(surfaces_.field(), isosurface, mesh, state, output_.report_axis);
   metrics.residual_max = std::max(metrics.residual_max, since_frame.residual_max);
   metrics.regions_replaced = since_frame.topology.replaced;
   metrics.regions_refused = since_frame.topology.refused;

@@ -1,12 +1,11 @@
 #include "surface/measure/surface_metrics.h"
 
-#include "surface/motion/velocity_methods.h"
-
 #include <gtest/gtest.h>
 
 #include <numbers>
 
 #include "surface/field/particle_motion.h"
+#include "surface/motion/velocity_methods.h"
 #include "surface/remesh/initial_mesh.h"
 
 namespace kappaflow {

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "core/version.h"
-#include "tests/tools/program.h"
 #include "surface/motion/velocity_methods.h"
+#include "tests/tools/program.h"
 #include "tests/tools/scratch.h"
 
 namespace kappaflow {

@@ -9,10 +9,10 @@
 #include <set>
 
 #include "core/stopwatch.h"
-#include "tests/tools/program.h"
 #include "surface/motion/velocity_methods.h"
 #include "tests/tools/everything_scene.h"
 #include "tests/tools/full_disk.h"
+#include "tests/tools/program.h"
 #include "tests/tools/scratch.h"
 #include "tests/tools/text_table.h"
 #include "tests/vtk_reader.h"

@@ -7,8 +7,8 @@
 #include <cstdlib>
 
 #include "core/stopwatch.h"
-#include "tests/tools/program.h"
 #include "tests/tools/everything_scene.h"
+#include "tests/tools/program.h"
 #include "tests/tools/scratch.h"
 
 namespace kappaflow {
