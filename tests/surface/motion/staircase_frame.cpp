@@ -4,6 +4,7 @@
 #include <vtkDataArray.h>
 #include <vtkPointData.h>
 
+#include "surface/field/particle_weights.h"
 #include "tests/vtk_reader.h"
 
 namespace kappaflow::testing {

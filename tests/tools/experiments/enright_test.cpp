@@ -90,7 +90,7 @@ TEST(Enright, RemeshingKeepsAStretchedSheetInOrderAndBringsItBack) {
   // Half of the stretch that the test has at its half time, and back.
   constexpr int kSteps = 24;
   constexpr double kTurn = 0.8;
-  const TrackerOptions options{.method = "material",
+  const TrackerOptions options{.method = velocity_method("material").evaluate,
                                .integrator = TimeIntegrator::rk4,
                                .fairing = {.iterations = 0},
                                .remeshing = {.edge_length = 0.03, .finest = 0.3}};
