@@ -108,7 +108,7 @@ SurfaceState surface_state(const Field& field, const TriangleMesh& mesh, const V
   SurfaceState state;
   state.area = vertex_areas(mesh.position, mesh.triangles);
   fill_geometry(field, mesh.position, state);
-  method(field, {mesh.position, state.area, rings}, options, state.motion);
+  method(field, {mesh.position, state.area, rings}, options, state.motion.sized(mesh.vertex_count()));
   fill_material(field, mesh.position, state);
   return state;
 }

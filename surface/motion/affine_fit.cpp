@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "surface/motion/pointwise.h"
+#include "surface/motion/tangential.h"
 
 namespace kappaflow {
 namespace {

@@ -18,7 +18,7 @@ TangentialRows<2> curvature_rows(const Jet& jet, const TangentBasis& basis, cons
 }
 
 void evaluate_curvature_only(const Field& field, const SurfacePoints& points, const VelocityOptions& options,
-                             SurfaceVelocities& result) {
+                             VelocitySpans result) {
   evaluate_pointwise(field, points, result, [&](const Vec3& /*x*/, const Jet& jet) {
     const TangentBasis basis = tangent_basis(jet.g.normalized());
     const Vec3 v_n = normal_velocity(jet, options);
@@ -27,7 +27,7 @@ void evaluate_curvature_only(const Field& field, const SurfacePoints& points, co
 }
 
 void evaluate_curvature(const Field& field, const SurfacePoints& points, const VelocityOptions& options,
-                        SurfaceVelocities& result) {
+                        VelocitySpans result) {
   evaluate_pointwise(field, points, result, [&](const Vec3& /*x*/, const Jet& jet) {
     const TangentBasis basis = tangent_basis(jet.g.normalized());
     const Vec3 v_n = normal_velocity(jet, options);
@@ -37,7 +37,7 @@ void evaluate_curvature(const Field& field, const SurfacePoints& points, const V
 }
 
 void evaluate_curvature_first(const Field& field, const SurfacePoints& points, const VelocityOptions& options,
-                              SurfaceVelocities& result) {
+                              VelocitySpans result) {
   constexpr double kUndetermined = 3;  // mu over the damping
   evaluate_pointwise(field, points, result, [&](const Vec3& /*x*/, const Jet& jet) {
     const TangentBasis basis = tangent_basis(jet.g.normalized());

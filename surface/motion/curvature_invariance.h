@@ -1,7 +1,7 @@
 // Eqs. 7-8 and 10: velocities that keep the curvatures of every surface point (Fujisawa et al. 2011).
 #pragma once
 
-#include "surface/motion/pointwise.h"
+#include "surface/motion/tangential.h"
 
 namespace kappaflow {
 
@@ -13,12 +13,12 @@ TangentialRows<2> curvature_rows(const Jet& jet, const TangentBasis& basis, cons
 
 /// Method `curvature-only`: Eq. 4 with Eqs. 7-8.
 void evaluate_curvature_only(const Field& field, const SurfacePoints& points, const VelocityOptions& options,
-                             SurfaceVelocities& result);
+                             VelocitySpans result);
 
 /// Method `curvature`, the paper's: Eq. 4 with the least sum of squares of the residuals of Eqs. 5, 7 and 8
 /// (Eq. 10).
 void evaluate_curvature(const Field& field, const SurfacePoints& points, const VelocityOptions& options,
-                        SurfaceVelocities& result);
+                        VelocitySpans result);
 
 /// Method `curvature-first`: under rotation Eq. 5 contradicts Eqs. 7-8, so their sum is biased. Here the
 /// curvature rows decide the directions v_k that they determine, and Eq. 5 fills the rest:
@@ -26,6 +26,6 @@ void evaluate_curvature(const Field& field, const SurfacePoints& points, const V
 /// y_c and y_t the solutions of Eqs. 7-8 and of Eq. 5, s_k and v_k the singular values and right singular
 /// vectors of the curvature rows. Confidence: that of all rows together.
 void evaluate_curvature_first(const Field& field, const SurfacePoints& points, const VelocityOptions& options,
-                              SurfaceVelocities& result);
+                              VelocitySpans result);
 
 }  // namespace kappaflow

@@ -1,5 +1,7 @@
 #include "surface/motion/material.h"
 
+#include <algorithm>
+
 #include "core/errors.h"
 #include "surface/motion/normal.h"
 #include "surface/motion/pointwise.h"
@@ -9,9 +11,8 @@ namespace kappaflow {
 namespace {
 
 /// Where the material carries f there is nothing to correct, and no jet to evaluate.
-void evaluate_carried(const Field& field, std::span<const Vec3> position, SurfaceVelocities& result) {
-  result.velocity.resize(position.size());
-  result.confidence.assign(position.size(), 1);
+void evaluate_carried(const Field& field, std::span<const Vec3> position, VelocitySpans result) {
+  std::ranges::fill(result.confidence, 1);
   parallel_for(position.size(), [&](std::size_t i) {
     result.velocity[i] = field.material_velocity(position[i]).value_or(Vec3::Zero());
   });
@@ -20,7 +21,7 @@ void evaluate_carried(const Field& field, std::span<const Vec3> position, Surfac
 }  // namespace
 
 void evaluate_material(const Field& field, const SurfacePoints& points, const VelocityOptions& options,
-                       SurfaceVelocities& result) {
+                       VelocitySpans result) {
   if (field.moves_with_material()) {
     evaluate_carried(field, points.position, result);
     return;

@@ -8,6 +8,6 @@ namespace kappaflow {
 /// Method `material`: Eq. 4 with the tangential part of Field::material_velocity(). Confidence 1, since
 /// nothing is guessed. Throws InvalidInput when the field knows no material velocity.
 void evaluate_material(const Field& field, const SurfacePoints& points, const VelocityOptions& options,
-                       SurfaceVelocities& result);
+                       VelocitySpans result);
 
 }  // namespace kappaflow

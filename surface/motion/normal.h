@@ -13,6 +13,6 @@ Vec3 normal_velocity(const Jet& jet, const VelocityOptions& options);
 /// Method `normal`: Eq. 4 and no tangential motion. Confidence 0, since nothing determines the tangential
 /// part.
 void evaluate_normal(const Field& field, const SurfacePoints& points, const VelocityOptions& options,
-                     SurfaceVelocities& result);
+                     VelocitySpans result);
 
 }  // namespace kappaflow

@@ -8,6 +8,7 @@
 #include "surface/motion/affine_fit.h"
 #include "surface/motion/normal.h"
 #include "surface/motion/pointwise.h"
+#include "surface/motion/tangential_rows.h"
 
 namespace kappaflow {
 namespace {
@@ -118,12 +119,12 @@ Window sufficient_window(const Vec3& x, int v, const LocalMotion& local, const P
 }  // namespace
 
 void evaluate_regional(const Field& field, const SurfacePoints& points, const VelocityOptions& options,
-                       SurfaceVelocities& result) {
+                       VelocitySpans result) {
   const std::size_t n = points.position.size();
   const LocalMotion local = local_motion(field, points.position, options);
   const Patches patches = patches_of(local, points);
-  result.velocity.assign(n, Vec3::Zero());
-  result.confidence.assign(n, 0.0);
+  std::ranges::fill(result.velocity, Vec3::Zero());
+  std::ranges::fill(result.confidence, 0);
   tbb::enumerable_thread_specific<SampleWalk> walk;
   parallel_for(
       n,

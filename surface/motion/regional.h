@@ -17,6 +17,6 @@ namespace kappaflow {
 /// Confidence: AffineFit::determined as s in s/sqrt(s^2 + damping^2); the damping is used for nothing else.
 /// A point without neighbours is a window by itself.
 void evaluate_regional(const Field& field, const SurfacePoints& points, const VelocityOptions& options,
-                       SurfaceVelocities& result);
+                       VelocitySpans result);
 
 }  // namespace kappaflow

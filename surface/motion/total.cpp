@@ -11,7 +11,7 @@ TangentialRows<2> total_rows(const Jet& jet, const TangentBasis& basis, const Ve
 }
 
 void evaluate_total(const Field& field, const SurfacePoints& points, const VelocityOptions& options,
-                    SurfaceVelocities& result) {
+                    VelocitySpans result) {
   evaluate_pointwise(field, points, result, [&](const Vec3& /*x*/, const Jet& jet) {
     const TangentBasis basis = tangent_basis(jet.g.normalized());
     const Vec3 v_n = normal_velocity(jet, options);

@@ -1,7 +1,7 @@
 // Eq. 5: the total velocity of Stam & Schmidt 2011, which keeps the normal of every surface point.
 #pragma once
 
-#include "surface/motion/pointwise.h"
+#include "surface/motion/tangential.h"
 
 namespace kappaflow {
 
@@ -12,6 +12,6 @@ TangentialRows<2> total_rows(const Jet& jet, const TangentBasis& basis, const Ve
 
 /// Method `total`: Eq. 4 with Eq. 5.
 void evaluate_total(const Field& field, const SurfacePoints& points, const VelocityOptions& options,
-                    SurfaceVelocities& result);
+                    VelocitySpans result);
 
 }  // namespace kappaflow

@@ -33,15 +33,28 @@ struct VelocityOptions {
   double speed_limit = 1;
 };
 
-/// What a method returns: one entry a point.
-struct SurfaceVelocities {
-  std::vector<Vec3> velocity;      ///< [m/s]; zero where the field has no gradient
-  std::vector<double> confidence;  ///< how well the tangential part is determined, in [0, 1]
+/// Where a method writes what it finds: one entry a point.
+struct VelocitySpans {
+  std::span<Vec3> velocity;      ///< [m/s]; zero where the field has no gradient
+  std::span<double> confidence;  ///< how well the tangential part is determined, in [0, 1]
 };
 
-/// Fills the velocities and confidences of all points, which it resizes. Called once for every stage of a
-/// time step; must be a function of its arguments alone, whatever the number of threads.
+/// The memory for it, which is used again.
+struct SurfaceVelocities {
+  std::vector<Vec3> velocity;
+  std::vector<double> confidence;
+
+  /// With room for so many points.
+  VelocitySpans sized(std::size_t points) {
+    velocity.resize(points);
+    confidence.resize(points);
+    return {velocity, confidence};
+  }
+};
+
+/// Writes velocity and confidence of every point. Called once for every stage of a time step; must be a
+/// function of its arguments alone, whatever the number of threads. What it throws leaves the tracker's step.
 using VelocityFunction = std::function<void(const Field& field, const SurfacePoints& points,
-                                            const VelocityOptions& options, SurfaceVelocities& result)>;
+                                            const VelocityOptions& options, VelocitySpans result)>;
 
 }  // namespace kappaflow

@@ -75,7 +75,7 @@ SurfaceVelocities velocities(const Field& field, const std::string& method, std:
   const std::vector<double> area(points.size(), 0);
   const VertexRings no_neighbours{std::vector<int>(points.size() + 1, 0), {}};
   SurfaceVelocities result;
-  velocity_method(method).evaluate(field, {points, area, no_neighbours}, {}, result);
+  velocity_method(method).evaluate(field, {points, area, no_neighbours}, {}, result.sized(points.size()));
   return result;
 }
 

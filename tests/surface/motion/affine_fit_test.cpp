@@ -4,7 +4,7 @@
 
 #include <numeric>
 
-#include "surface/motion/pointwise.h"
+#include "surface/motion/tangential.h"
 #include "tests/dense.h"
 #include "tests/surface/field/random_particles.h"
 #include "tests/surface/motion/surface_points.h"

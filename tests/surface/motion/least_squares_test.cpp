@@ -4,7 +4,7 @@
 #include <numbers>
 #include <random>
 
-#include "surface/motion/pointwise.h"
+#include "surface/motion/tangential.h"
 #include "tests/surface/motion/tangential_problems.h"
 
 namespace kappaflow {

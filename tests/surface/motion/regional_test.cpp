@@ -30,7 +30,8 @@ SurfaceVelocities regional(const Field& field, const TriangleMesh& mesh,
   const std::vector<double> area = vertex_areas(mesh.position, mesh.triangles);
   const VertexRings rings = vertex_rings(mesh.vertex_count(), mesh.triangles);
   SurfaceVelocities result;
-  velocity_method("regional").evaluate(field, {mesh.position, area, rings}, options, result);
+  velocity_method("regional")
+      .evaluate(field, {mesh.position, area, rings}, options, result.sized(mesh.vertex_count()));
   return result;
 }
 

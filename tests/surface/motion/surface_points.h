@@ -35,7 +35,7 @@ inline SurfaceVelocities velocities_at(const Field& field, std::string_view meth
   const VertexRings rings{.start = std::vector<int>(points.size() + 1, 0), .neighbour = {}};
   SurfaceVelocities result;
   velocity_method(method).evaluate(field, {.position = points, .area = area, .rings = rings}, options,
-                                   result);
+                                   result.sized(points.size()));
   return result;
 }
 

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include "surface/field/runge_kutta.h"
 #include "surface/mesh/mesh_measures.h"
 #include "surface/motion/velocity_methods.h"
 #include "surface/remesh/initial_mesh.h"
@@ -23,11 +24,12 @@ std::vector<Vec3> advected(const TriangleMesh& mesh, const char* method, double 
   RungeKutta runge_kutta;
   for (int n = 0; n < steps; ++n) {
     EnrightMotion motion(t * n / steps, t * (n + 1) / steps);
-    runge_kutta.advance(motion, TimeIntegrator::rk4, points,
-                        [&](const Field& field, std::span<const Vec3> x) -> std::span<const Vec3> {
-                          velocity_method(method).evaluate(field, {x, area, rings}, kExact, velocities);
-                          return velocities.velocity;
-                        });
+    runge_kutta.advance(
+        motion, TimeIntegrator::rk4, points,
+        [&](const Field& field, std::span<const Vec3> x) -> std::span<const Vec3> {
+          velocity_method(method).evaluate(field, {x, area, rings}, kExact, velocities.sized(x.size()));
+          return velocities.velocity;
+        });
   }
   return points;
 }
