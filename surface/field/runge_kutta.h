@@ -4,18 +4,11 @@
 #include <span>
 #include <vector>
 
-#include "core/named.h"
 #include "core/parallel.h"
 #include "surface/field/field.h"
+#include "surface/field/time_integrator.h"
 
 namespace kappaflow {
-
-/// Time integration of points: explicit Runge-Kutta of order 1, 2 (midpoint) or 4 (classical).
-enum class TimeIntegrator { euler, rk2, rk4 };
-
-/// What scenes call them.
-inline constexpr Named<TimeIntegrator> kIntegrators[] = {
-    {"euler", TimeIntegrator::euler}, {"rk2", TimeIntegrator::rk2}, {"rk4", TimeIntegrator::rk4}};
 
 /// A stage of the tableaux whose stages each use the previous slope only.
 struct RungeKuttaStage {

@@ -7,15 +7,9 @@
 #include "surface/field/projection.h"
 #include "surface/mesh/mesh_edits.h"
 #include "surface/topology/lattice_guard.h"
+#include "surface/topology/topology_options.h"
 
 namespace kappaflow {
-
-struct TopologyOptions {
-  bool follows_field = false;  ///< whether the mesh's topology follows the surface's
-  /// Of the lattice, as a share of Field::length_scale(); smaller pieces, holes and gaps may be missed.
-  double spacing = 0.25;
-  int lattice_interval = 8;  ///< steps from one comparison with the whole lattice to the next, >= 1
-};
 
 /// The lattice that tells the surface's topology; without values. edge_length: of the mesh, > 0 [m].
 SampledField topology_lattice(const Field& field, const TopologyOptions& options, double edge_length);
@@ -28,30 +22,6 @@ enum class Comparison {
   quick,     ///< triangles further off the surface than half an edge
   thorough,  ///< those further than 0.18 edges, triangles that pass through others, the whole lattice
   repeated   ///< the same after another: patches whose chords miss a rim or tip are made finer
-};
-
-/// What one change of topology did.
-struct TopologyCounts {
-  std::size_t replaced = 0;           ///< regions that were replaced
-  std::size_t refused = 0;            ///< regions where mesh and surface still disagree
-  std::size_t triangles_removed = 0;  ///< in the former
-  std::size_t vertices_born = 0;      ///< vertices that are new afterwards
-  std::size_t vertices_lost = 0;      ///< vertices that are gone afterwards
-
-  TopologyCounts& operator+=(const TopologyCounts& other) {
-    replaced += other.replaced;
-    refused += other.refused;
-    triangles_removed += other.triangles_removed;
-    vertices_born += other.vertices_born;
-    vertices_lost += other.vertices_lost;
-    return *this;
-  }
-
-  /// See core/saved_state.h.
-  template <class Archive>
-  void serialize(Archive& archive) {
-    archive(replaced, refused, triangles_removed, vertices_born, vertices_lost);
-  }
 };
 
 /// Local replacement of the mesh by the isosurface, after Wojtan, Thuerey, Gross, Turk, "Deforming meshes

@@ -4,8 +4,13 @@
 #include <optional>
 
 #include "core/errors.h"
+#include "core/saved_state.h"
 #include "core/stopwatch.h"
+#include "surface/field/runge_kutta.h"
 #include "surface/mesh/mesh_measures.h"
+#include "surface/remesh/remeshing.h"
+#include "surface/topology/topology.h"
+#include "surface/tracker/fairing.h"
 #include "surface/tracker/mobility.h"
 
 namespace kappaflow {
@@ -15,67 +20,130 @@ constexpr int kSettlingRounds = 4;
 
 }  // namespace
 
-SurfaceTracker::SurfaceTracker(TriangleMesh initial_mesh, const TrackerOptions& options)
-    : options_(options), mesh_(std::move(initial_mesh)) {
+/// Everything that a tracker keeps between its steps, and their parts.
+struct SurfaceTracker::State {
+  State(TriangleMesh initial_mesh, const TrackerOptions& tracker_options)
+      : options(tracker_options), mesh(std::move(initial_mesh)) {
+    start_from_mesh();
+  }
+
+  void start_from_mesh();
+  void advect(FieldMotion& motion);
+  double project(const Field& field);
+  void repair(const Field& field, TrackerStep& report);
+  bool change_topology(const Field& field, Comparison comparison, TrackerStep& report);
+  void finish(TrackerStep& report) const;
+  void remesh(const Field& field, TrackerStep& report);
+  void renew_connectivity(const VertexHistory& history);
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(mesh);
+    if constexpr (Archive::is_loading::value) start_from_mesh();
+    archive(fairing, steps_to_lattice, steps_unrepaired);
+  }
+
+  TrackerOptions options;
+  TriangleMesh mesh;
+  VertexRings rings, rings_before;
+  FairingState fairing;
+  RungeKutta runge_kutta;
+  TopologyChange topology_change;
+  int steps_to_lattice = 1;  // until mesh and surface are compared on the whole lattice
+  int steps_unrepaired = 0;  // since edits and changes of topology
+  Remesher remesher;
+  SurfaceVelocities velocities;  // of the last stage of the step
+  std::vector<double> area;      // at the start of the step
+};
+
+SurfaceTracker::SurfaceTracker(TriangleMesh initial_mesh, const TrackerOptions& options) {
   if (!options.method) throw InvalidInput("a surface cannot be tracked without a velocity method");
-  start_from_mesh();
+  state_ = std::make_unique<State>(std::move(initial_mesh), options);
+}
+SurfaceTracker::~SurfaceTracker() = default;
+SurfaceTracker::SurfaceTracker(SurfaceTracker&&) noexcept = default;
+SurfaceTracker& SurfaceTracker::operator=(SurfaceTracker&&) noexcept = default;
+
+const TriangleMesh& SurfaceTracker::mesh() const {
+  return state_->mesh;
+}
+TriangleMesh& SurfaceTracker::own_mesh() {
+  return state_->mesh;
+}
+std::span<int> SurfaceTracker::source() {
+  return state_->mesh.source;
+}
+const VertexRings& SurfaceTracker::rings() const {
+  return state_->rings;
+}
+const TrackerOptions& SurfaceTracker::options() const {
+  return state_->options;
 }
 
-void SurfaceTracker::start_from_mesh() {
-  vertex_rings(mesh_.vertex_count(), mesh_.triangles, rings_);
-  fairing_ = fairing_state(mesh_, rings_);
-  area_.resize(mesh_.vertex_count());
+template <class Archive>
+void SurfaceTracker::serialize(Archive& archive) {
+  state_->serialize(archive);
+}
+template void SurfaceTracker::serialize(StateWriter&);
+template void SurfaceTracker::serialize(StateReader&);
+
+void SurfaceTracker::State::start_from_mesh() {
+  vertex_rings(mesh.vertex_count(), mesh.triangles, rings);
+  fairing = fairing_state(mesh, rings);
+  area.resize(mesh.vertex_count());
 }
 
 TrackerStep SurfaceTracker::step(FieldMotion& motion) {
+  State& s = *state_;
   TrackerStep report;
-  report.velocity_seconds = seconds_of([&] { advect(motion); });
+  report.velocity_seconds = seconds_of([&] { s.advect(motion); });
   const std::shared_ptr<const Field> field = motion.at(motion.t1());
   report.fairing_seconds = seconds_of([&] {
-    report.residual_max = project(*field);
-    const double residual = fair(*field, rings_, options_.fairing, options_.projection,
-                                 motion.t1() - motion.t0(), mesh_, fairing_);
-    if (options_.fairing.iterations > 0) report.residual_max = residual;
+    report.residual_max = s.project(*field);
+    const double residual = fair(*field, s.rings, s.options.fairing, s.options.projection,
+                                 motion.t1() - motion.t0(), s.mesh, s.fairing);
+    if (s.options.fairing.iterations > 0) report.residual_max = residual;
   });
-  --steps_to_lattice_;
-  if (++steps_unmended_ >= options_.mending_interval) mend(*field, report);
-  finish(report);
+  --s.steps_to_lattice;
+  if (++s.steps_unrepaired >= s.options.repair_interval) s.repair(*field, report);
+  s.finish(report);
   return report;
 }
 
 /// Changes of topology go first: what the isosurface puts in is the remesher's to refine.
-void SurfaceTracker::mend(const Field& field, TrackerStep& report) {
-  steps_unmended_ = 0;
-  if (!(options_.remeshing.edge_length > 0)) return;
-  if (options_.topology.follows_field) {
-    const bool compare_all = steps_to_lattice_ <= 0;
-    if (compare_all) steps_to_lattice_ = options_.topology.lattice_interval;
+void SurfaceTracker::State::repair(const Field& field, TrackerStep& report) {
+  steps_unrepaired = 0;
+  if (!(options.remeshing.edge_length > 0)) return;
+  if (options.topology.follows_field) {
+    const bool compare_all = steps_to_lattice <= 0;
+    if (compare_all) steps_to_lattice = options.topology.lattice_interval;
     change_topology(field, compare_all ? Comparison::thorough : Comparison::quick, report);
   }
   remesh(field, report);
 }
 
 TrackerStep SurfaceTracker::settle(const Field& field) {
+  State& s = *state_;
   TrackerStep report;
-  if (options_.remeshing.edge_length > 0) {
-    remesh(field, report);
+  if (s.options.remeshing.edge_length > 0) {
+    s.remesh(field, report);
     Comparison comparison = Comparison::thorough;
-    for (int round = 0; options_.topology.follows_field && change_topology(field, comparison, report) &&
+    for (int round = 0; s.options.topology.follows_field && s.change_topology(field, comparison, report) &&
                         round < kSettlingRounds;
          ++round) {
-      remesh(field, report);
+      s.remesh(field, report);
       comparison = Comparison::repeated;
     }
-    steps_to_lattice_ = options_.topology.lattice_interval;
-    steps_unmended_ = 0;
+    s.steps_to_lattice = s.options.topology.lattice_interval;
+    s.steps_unrepaired = 0;
   }
-  finish(report);
+  s.finish(report);
   return report;
 }
 
 TriangleMesh SurfaceTracker::settled(const Field& field, TriangleMesh mesh, const TrackerOptions& options) {
   SurfaceTracker tracker(std::move(mesh), options);
-  TriangleMesh& moved = tracker.mesh_;
+  TriangleMesh& moved = tracker.state_->mesh;
   project_all(field, options.projection, moved.position, moved.unprojected, moved.gradient);
   tracker.settle(field);
   TriangleMesh at_rest = make_triangle_mesh(std::move(moved.position), std::move(moved.triangles));
@@ -83,56 +151,57 @@ TriangleMesh SurfaceTracker::settled(const Field& field, TriangleMesh mesh, cons
   return at_rest;
 }
 
-void SurfaceTracker::finish(TrackerStep& report) const {
+void SurfaceTracker::State::finish(TrackerStep& report) const {
   report.residual_max = std::max(report.residual_max, report.edits.residual_max);
-  report.unprojected = static_cast<std::size_t>(std::ranges::count(mesh_.unprojected, 1));
+  report.unprojected = static_cast<std::size_t>(std::ranges::count(mesh.unprojected, 1));
 }
 
 /// Puts all vertices on the surface and finds out which ones fairing may move.
-double SurfaceTracker::project(const Field& field) {
-  if (options_.fairing.iterations > 0 && options_.fairing.moves == FairedVertices::undetermined)
-    vertex_mobility(rings_, velocities_, mesh_.mobility);
-  return project_all(field, options_.projection, mesh_.position, mesh_.unprojected, mesh_.gradient);
+double SurfaceTracker::State::project(const Field& field) {
+  if (options.fairing.iterations > 0 && options.fairing.moves == FairedVertices::undetermined)
+    vertex_mobility(rings, velocities, mesh.mobility);
+  return project_all(field, options.projection, mesh.position, mesh.unprojected, mesh.gradient);
 }
 
 /// Returns whether something was replaced.
-bool SurfaceTracker::change_topology(const Field& field, Comparison comparison, TrackerStep& report) {
+bool SurfaceTracker::State::change_topology(const Field& field, Comparison comparison, TrackerStep& report) {
   TopologyCounts counts;
   report.topology_seconds += seconds_of([&] {
-    counts = topology_change_.change(field, options_.topology, options_.remeshing.edge_length,
-                                     options_.projection, comparison, mesh_);
-    if (counts.replaced > 0) renew_connectivity(topology_change_.history());
+    counts = topology_change.change(field, options.topology, options.remeshing.edge_length,
+                                     options.projection, comparison, mesh);
+    if (counts.replaced > 0) renew_connectivity(topology_change.history());
   });
   report.topology += counts;
   return counts.replaced > 0;
 }
 
-void SurfaceTracker::remesh(const Field& field, TrackerStep& report) {
+void SurfaceTracker::State::remesh(const Field& field, TrackerStep& report) {
   std::optional<LatticeGuard> guard;
-  if (options_.topology.follows_field)
-    guard.emplace(topology_guard(field, options_.topology, options_.remeshing.edge_length));
+  if (options.topology.follows_field)
+    guard.emplace(topology_guard(field, options.topology, options.remeshing.edge_length));
   report.remesh_seconds += seconds_of([&] {
-    const RemeshCounts counts = remesher_.remesh(field, options_.remeshing, options_.projection, rings_,
-                                                 mesh_, guard ? &*guard : nullptr);
-    if (counts.any()) renew_connectivity(remesher_.history());
+    const RemeshCounts counts = remesher.remesh(field, options.remeshing, options.projection, rings,
+                                                 mesh, guard ? &*guard : nullptr);
+    if (counts.any()) renew_connectivity(remesher.history());
     report.edits += counts;
   });
 }
 
 /// Brings all that depends on the connectivity up to date.
-void SurfaceTracker::renew_connectivity(const VertexHistory& history) {
-  std::swap(rings_, rings_before_);
-  vertex_rings(mesh_.vertex_count(), mesh_.triangles, rings_);
-  renew_fairing_state(mesh_, history, rings_before_, rings_, fairing_);
-  area_.resize(mesh_.vertex_count());
+void SurfaceTracker::State::renew_connectivity(const VertexHistory& history) {
+  std::swap(rings, rings_before);
+  vertex_rings(mesh.vertex_count(), mesh.triangles, rings);
+  renew_fairing_state(mesh, history, rings_before, rings, fairing);
+  area.resize(mesh.vertex_count());
 }
 
-void SurfaceTracker::advect(FieldMotion& motion) {
-  vertex_areas(mesh_.position, mesh_.triangles, area_);
-  runge_kutta_.advance(motion, options_.integrator, mesh_.position,
+void SurfaceTracker::State::advect(FieldMotion& motion) {
+  vertex_areas(mesh.position, mesh.triangles, area);
+  runge_kutta.advance(motion, options.integrator, mesh.position,
                        [&](const Field& field, std::span<const Vec3> position) -> std::span<const Vec3> {
-                         options_.method(field, {position, area_, rings_}, options_.velocity, velocities_);
-                         return velocities_.velocity;
+                         options.method(field, {position, area, rings}, options.velocity,
+                                        velocities.sized(position.size()));
+                         return velocities.velocity;
                        });
 }
 

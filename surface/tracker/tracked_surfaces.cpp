@@ -139,7 +139,7 @@ void TrackedSurfaces::advance(Particles next) {
 
 SurfaceState TrackedSurfaces::state(std::size_t surface) const {
   const SurfaceTracker& tracker = trackers_[surface];
-  return surface_state(*field_, tracker.mesh(), tracker.rings(), tracker.method(),
+  return surface_state(*field_, tracker.mesh(), tracker.rings(), tracker.options().method,
                        tracker.options().velocity);
 }
 

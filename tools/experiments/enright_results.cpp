@@ -98,7 +98,7 @@ EnrightSample measure(const SurfaceTracker& tracker, const Field& field, const E
   const TriangleMesh& mesh = tracker.mesh();
   EnrightSample s;
   s.mesh = mesh;
-  s.state = surface_state(field, mesh, tracker.rings(), tracker.method(), tracker.options().velocity);
+  s.state = surface_state(field, mesh, tracker.rings(), tracker.options().method, tracker.options().velocity);
   s.shape = shape.error(mesh);
   s.vertex = vertex_error(mesh, field.time());
   s.volume = area_and_volume(mesh.position, mesh.triangles).volume;

@@ -15,7 +15,7 @@ namespace {
 
 // Times that differ by less are the same: rounding in the solver's sum of time steps [s].
 constexpr double kTimeTolerance = 1e-12;
-constexpr double kMendingPath = 0.8;  // of a particle from one mending of the mesh to the next [spacing]
+constexpr double kRepairPath = 0.8;  // of a particle from one repair of the mesh to the next [spacing]
 
 FluidSolver make_fluid(const Scene& scene, std::span<const TriangleSurface> walls) {
   const FluidParticlesAtStart start = fill_blocks(scene);
@@ -38,8 +38,8 @@ SurfaceOptions surface_options(const Scene& scene) {
   options.name = scene.file.string();
   if (!scene.fluid.emitters.empty())
     options.threshold = field_options(options, mostly_interior_lattice(scene)).threshold;
-  options.tracker.mending_interval = whole_within(kMendingPath / (scene.fluid.cfl * scene.surface.stride), 1,
-                                                  std::numeric_limits<int>::max());
+  options.tracker.repair_interval = whole_within(kRepairPath / (scene.fluid.cfl * scene.surface.stride), 1,
+                                                 std::numeric_limits<int>::max());
   return options;
 }
 

@@ -12,6 +12,7 @@
 #include "surface/mesh/self_intersection.h"
 #include "surface/motion/velocity_methods.h"
 #include "surface/remesh/initial_mesh.h"
+#include "surface/tracker/fairing.h"
 #include "surface/tracker/surface_tracker.h"
 #include "tests/surface/mesh/analytic_fields.h"
 #include "tests/surface/remesh/mesh_in_order.h"

@@ -132,7 +132,7 @@ TEST(Tracker, StageOutsideTheSupportStaysFiniteAndIsFlagged) {
   EXPECT_EQ(step.unprojected, tracker.mesh().vertex_count());
   for (const Vec3& x : tracker.mesh().position) EXPECT_TRUE(x.allFinite());
   const SurfaceState state =
-      surface_state(*motion.at(0.5), tracker.mesh(), tracker.rings(), tracker.method(), {});
+      surface_state(*motion.at(0.5), tracker.mesh(), tracker.rings(), tracker.options().method, {});
   for (std::size_t v = 0; v < state.normal.size(); ++v) {
     EXPECT_TRUE(state.normal[v].allFinite() && state.motion.velocity[v].allFinite());
     EXPECT_TRUE(std::isfinite(state.gaussian_curvature[v]) && std::isfinite(state.mean_curvature[v]));
