@@ -1,73 +1,24 @@
 #include "tools/io/vtp_files.h"
 
-#include <fmt/format.h>
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
 #include <vtkCommand.h>
 #include <vtkDoubleArray.h>
 #include <vtkFieldData.h>
-#include <vtkFloatArray.h>
 #include <vtkIntArray.h>
 #include <vtkPointData.h>
-#include <vtkPoints.h>
 #include <vtkTypeInt64Array.h>
 #include <vtkUnsignedCharArray.h>
 #include <vtkXMLPolyDataWriter.h>
 
 #include <algorithm>
-#include <limits>
-#include <type_traits>
 
 #include "core/errors.h"
-#include "core/read_file.h"
-#include "core/text_scanner.h"
 #include "tools/io/files.h"
-#include "tools/io/vtk_xml.h"
+#include "tools/io/vtk_arrays.h"
 
 namespace kappaflow {
 namespace {
-
-// Array: a VTK array class. value(i): a number, or anything with operator[] when there are several
-// components.
-template <class Array, class Value>
-vtkSmartPointer<Array> make_array(const char* name, int components, std::size_t n, const Value& value) {
-  auto array = vtkSmartPointer<Array>::New();
-  array->SetName(name);
-  array->SetNumberOfComponents(components);
-  array->SetNumberOfTuples(static_cast<vtkIdType>(n));
-  using Number = typename Array::ValueType;
-  Number* out = array->GetPointer(0);
-  for (std::size_t i = 0; i < n; ++i) {
-    const auto& tuple = value(i);
-    if constexpr (std::is_arithmetic_v<std::remove_cvref_t<decltype(tuple)>>)
-      *out++ = static_cast<Number>(tuple);
-    else
-      for (int c = 0; c < components; ++c) *out++ = static_cast<Number>(tuple[c]);
-  }
-  return array;
-}
-
-// The array of a span: double in memory, single precision in the file unless Array says otherwise.
-template <class Array = vtkFloatArray, class Span>
-vtkSmartPointer<Array> make_array(const char* name, int components, const Span& values) {
-  return make_array<Array>(
-      name, components, values.size(), [&](std::size_t i) -> const auto& { return values[i]; });
-}
-
-// The points keep double precision: a mesh read back from its file still lies on the surface.
-vtkSmartPointer<vtkPoints> make_points(std::span<const Vec3> positions) {
-  auto points = vtkSmartPointer<vtkPoints>::New();
-  points->SetData(make_array<vtkDoubleArray>("Points", 3, positions));
-  return points;
-}
-
-vtkSmartPointer<vtkCellArray> make_triangles(std::span<const Triangle> triangles) {
-  auto cells = vtkSmartPointer<vtkCellArray>::New();
-  cells->AllocateExact(static_cast<vtkIdType>(triangles.size()),
-                       3 * static_cast<vtkIdType>(triangles.size()));
-  for (const Triangle& t : triangles) cells->InsertNextCell({t[0], t[1], t[2]});
-  return cells;
-}
 
 void set_time(vtkPolyData& data, double time) {
   data.GetFieldData()->AddArray(
@@ -95,35 +46,6 @@ class ErrorListener final : public vtkCommand {
   void Execute(vtkObject*, unsigned long, void*) override { failed = true; }
   bool failed = false;
 };
-
-template <class Array>
-vtkSmartPointer<Array> array_as(const PointArray& array) {
-  using Number = typename Array::ValueType;
-  using Limits = std::numeric_limits<Number>;
-  constexpr std::size_t kMostComponents = 9;  // of a tensor
-  if (array.components < 1 || array.components > kMostComponents)
-    throw InvalidInput(fmt::format("array \"{}\" has {} components; expected 1 to {}",
-                                   one_line(array.name, 30), array.components, kMostComponents));
-  if constexpr (std::is_integral_v<Number>)
-    for (const double value : array.values)
-      if (!(value >= Limits::min() && value <= Limits::max()))
-        throw InvalidInput(fmt::format("array \"{}\" has the number {}", one_line(array.name, 30), value));
-  return make_array<Array>(array.name.c_str(), static_cast<int>(array.components),
-                           array.values.size() / array.components,
-                           [&](std::size_t i) { return array.values.data() + array.components * i; });
-}
-
-/// Int32 and UInt8 stay what they are: whole numbers may be names, and bytes colours.
-vtkSmartPointer<vtkDataArray> array_to_draw(const PointArray& array) {
-  if (array.type == NumberType::int32) return array_as<vtkIntArray>(array);
-  if (array.type == NumberType::uint8) return array_as<vtkUnsignedCharArray>(array);
-  return array_as<vtkDoubleArray>(array);
-}
-
-void check_finite_points(const PointData& data) {
-  for (std::size_t v = 0; v < data.position.size(); ++v)
-    if (!data.position[v].allFinite()) throw InvalidInput(fmt::format("vertex {} is nowhere", v));
-}
 
 }  // namespace
 
@@ -158,7 +80,8 @@ vtkSmartPointer<vtkPolyData> surface_data(const SurfaceFrame& frame) {
 
   vtkPointData& arrays = *data->GetPointData();
   arrays.SetNormals(make_array("Normals", 3, state.normal));
-  arrays.SetTCoords(make_array("TCoords", 2, frame.texture_coordinates));
+  if (!frame.texture_coordinates.empty())
+    arrays.SetTCoords(make_array("TCoords", 2, frame.texture_coordinates));
   arrays.AddArray(make_array("velocity", 3, state.motion.velocity));
   arrays.AddArray(make_array("mean_curvature", 1, state.mean_curvature));
   arrays.AddArray(make_array("gaussian_curvature", 1, state.gaussian_curvature));
@@ -166,7 +89,7 @@ vtkSmartPointer<vtkPolyData> surface_data(const SurfaceFrame& frame) {
   arrays.AddArray(make_array<vtkDoubleArray>("rest_position", 3, frame.mesh.rest_position));
   if (has_sources(frame.mesh)) arrays.AddArray(make_array<vtkIntArray>("source", 1, frame.mesh.source));
   arrays.AddArray(make_array<vtkTypeInt64Array>("id", 1, frame.mesh.id));
-  arrays.AddArray(make_array<vtkUnsignedCharArray>("checker", 3, frame.checker));
+  if (!frame.checker.empty()) arrays.AddArray(make_array<vtkUnsignedCharArray>("checker", 3, frame.checker));
   if (!state.material_slip.empty()) arrays.AddArray(make_array("material_slip", 1, state.material_slip));
   arrays.AddArray(make_array<vtkUnsignedCharArray>("unprojected", 1, frame.mesh.unprojected));
   for (const VertexArray& array : frame.mesh.added)
@@ -205,25 +128,6 @@ void write_vtp(const std::filesystem::path& path, vtkPolyData& data) {
   writer->WriteToOutputStringOn();
   if (writer->Write() == 0 || errors->failed) throw IoError(path.string(), "VTK cannot encode the data");
   write_file(path, writer->GetOutputString());
-}
-
-vtkSmartPointer<vtkPolyData> read_surface(const std::filesystem::path& path) {
-  const std::string bytes = read_file(path);
-  try {
-    const VtkSurface surface = parse_vtk_surface(bytes);
-    check_finite_points(surface.points);
-    auto data = vtkSmartPointer<vtkPolyData>::New();
-    data->SetPoints(make_points(surface.points.position));
-    data->SetPolys(make_triangles(surface.triangles));
-    for (const PointArray& array : surface.points.arrays)
-      data->GetPointData()->AddArray(array_to_draw(array));
-    data->GetPointData()->SetActiveNormals("Normals");
-    for (const PointArray& array : surface.points.fields)
-      data->GetFieldData()->AddArray(array_to_draw(array));
-    return data;
-  } catch (const InvalidInput& error) {
-    throw IoError(path.string(), fmt::format("is damaged or not complete ({})", error.what()));
-  }
 }
 
 }  // namespace kappaflow

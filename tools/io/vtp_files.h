@@ -18,29 +18,30 @@ namespace kappaflow {
 /// What one particle file holds; one entry a particle in every array, or none where a span is empty.
 struct ParticleFrame {
   const Particles& particles;
-  std::span<const float> density;   ///< [kg/m3]; may be empty
-  std::span<const float> pressure;  ///< [Pa]; may be empty
-  std::span<const int> source;      ///< which block or emitter it comes from; may be empty
-  std::span<const double> weight;   ///< w_i of Eq. 12; may be empty
-  double sigma;                     ///< support radius of Eq. 12 [m]; not used without weights
+  std::span<const float> density{};   ///< [kg/m3]
+  std::span<const float> pressure{};  ///< [Pa]
+  std::span<const int> source{};      ///< which block or emitter it comes from
+  std::span<const double> weight{};   ///< w_i of Eq. 12
+  double sigma = 0;                   ///< support radius of Eq. 12 [m]; written with the weights only
 };
 
 /// Point arrays velocity, density, pressure, source, id, weight and sigma (the last two let `kappaflow probe`
 /// read the file); every particle is a vertex cell, so that ParaView shows it.
 vtkSmartPointer<vtkPolyData> particle_data(const ParticleFrame& frame);
 
-/// What one surface file holds; one entry a vertex in every array.
+/// What one surface file holds; one entry a vertex in every array, or none where a span is empty.
 struct SurfaceFrame {
   double time;  ///< [s]
   const TriangleMesh& mesh;
   const SurfaceState& state;
-  std::span<const Rgb> checker;
-  std::span<const Vec2> texture_coordinates;
+  std::span<const Rgb> checker{};
+  std::span<const Vec2> texture_coordinates{};
 };
 
-/// Point arrays Normals and TCoords (both active), velocity, mean_curvature, gaussian_curvature, confidence,
-/// rest_position, source (where that of any vertex is known), id (of a vertex for as long as it lives),
-/// checker, material_slip (where the material velocity is known), unprojected, and the mesh's added arrays.
+/// Point arrays Normals and, where they are given, TCoords (both active), velocity, mean_curvature,
+/// gaussian_curvature, confidence, rest_position, source (where that of any vertex is known), id (of a vertex
+/// for as long as it lives), checker, material_slip (where the material velocity is known), unprojected,
+/// and the mesh's added arrays.
 vtkSmartPointer<vtkPolyData> surface_data(const SurfaceFrame& frame);
 
 /// All walls as one surface; cell array wall = index of the wall.
@@ -49,9 +50,5 @@ vtkSmartPointer<vtkPolyData> boundary_data(std::span<const TriangleSurface> wall
 /// Writes VTK XML, inline binary, compressed by zlib: the form that every ParaView from 5.0 on reads. Throws
 /// IoError.
 void write_vtp(const std::filesystem::path& path, vtkPolyData& data);
-
-/// The triangles of a surface or of walls, with the arrays of its points and its field arrays. Throws
-/// IoError, whatever is wrong with the file.
-vtkSmartPointer<vtkPolyData> read_surface(const std::filesystem::path& path);
 
 }  // namespace kappaflow

@@ -16,7 +16,7 @@
 #include "core/errors.h"
 #include "core/quantile.h"
 #include "tools/io/files.h"
-#include "tools/io/vtp_files.h"
+#include "tools/io/surface_file.h"
 #include "tools/pictures/film.h"
 #include "tools/pictures/picture.h"
 #include "tools/runs/progress.h"

@@ -12,6 +12,7 @@
 #include "tests/tools/scratch.h"
 #include "tests/vtk_reader.h"
 #include "tools/io/files.h"
+#include "tools/io/surface_file.h"
 
 namespace kappaflow {
 namespace {
@@ -109,6 +110,14 @@ TEST_F(DataFiles, SlipAndSourceAreLeftOutWhereUnknown) {
   square.mesh.source.assign(4, kUnknownSource);
   EXPECT_EQ(square.data()->GetPointData()->GetArray("material_slip"), nullptr);
   EXPECT_EQ(square.data()->GetPointData()->GetArray("source"), nullptr);
+}
+
+TEST_F(DataFiles, ColoursAndTextureMayBeLeftOut) {
+  const Square square;
+  const auto data = written_and_read(surface_data({0.16, square.mesh, square.state}));
+  EXPECT_EQ(data->GetPointData()->GetArray("checker"), nullptr);
+  EXPECT_EQ(data->GetPointData()->GetArray("TCoords"), nullptr);
+  EXPECT_EQ(data->GetPointData()->GetNumberOfArrays(), 10);
 }
 
 TEST_F(DataFiles, FileIsInlineCompressedBinary) {
