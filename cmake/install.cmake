@@ -1,29 +1,38 @@
-# The program, and for find_package(kappaflow) the libraries kappaflow::core, solver, surface and scenes with their
-# headers, which keep their paths: #include "surface/tracker/surface_tracker.h".
+# The program, and what find_package(kappaflow COMPONENTS surface solver scenes io) finds: libraries and their public
+# headers, #include <kappaflow/surface/tracker/tracked_surfaces.h>.
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
+include(cmake/public_headers.cmake)
 
-# Two components, which are two Debian packages: what runs, and what programs of others are built with.
+# Two components of the installation, which are two Debian packages: what runs, and what programs of others are built with.
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME development)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/kappaflow)
-set(header_folder ${CMAKE_INSTALL_INCLUDEDIR}/kappaflow)
 
-foreach(library settings core solver field mesh motion topology remesh tracker measure surface scenes)
-  set_target_properties(kappaflow_${library} PROPERTIES EXPORT_NAME ${library})
-  install(TARGETS kappaflow_${library} EXPORT kappaflow)
+# The targets of each component of the package; all need those of core. A room of surface is a target of its own.
+set(targets_core settings core)
+set(targets_surface field mesh motion topology remesh measure tracker surface)
+set(targets_solver solver)
+set(targets_scenes scenes)
+set(targets_io files writers)
+foreach(component core surface solver scenes io)
+  foreach(target IN LISTS targets_${component})
+    set_target_properties(kappaflow_${target} PROPERTIES EXPORT_NAME ${target})
+    install(TARGETS kappaflow_${target} EXPORT kappaflow-${component})
+  endforeach()
+  install(EXPORT kappaflow-${component} NAMESPACE kappaflow:: DESTINATION ${package_folder})
 endforeach()
-target_include_directories(kappaflow_settings INTERFACE $<INSTALL_INTERFACE:${header_folder}>)
-install(EXPORT kappaflow NAMESPACE kappaflow:: FILE kappaflowTargets.cmake DESTINATION ${package_folder})
+set_target_properties(kappaflow_writers PROPERTIES EXPORT_NAME io)
+target_include_directories(kappaflow_settings INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 configure_package_config_file(cmake/kappaflowConfig.cmake.in ${PROJECT_BINARY_DIR}/kappaflowConfig.cmake
                               INSTALL_DESTINATION ${package_folder})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/kappaflowConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/kappaflowConfig.cmake ${PROJECT_BINARY_DIR}/kappaflowConfigVersion.cmake
         DESTINATION ${package_folder})
-foreach(folder core solver surface scenes)
-  install(DIRECTORY ${folder} DESTINATION ${header_folder} FILES_MATCHING PATTERN "*.h"
-          PATTERN benchmark EXCLUDE PATTERN experiments EXCLUDE)
-endforeach()
-install(FILES ${PROJECT_BINARY_DIR}/core/version.h DESTINATION ${header_folder}/core)
+install(CODE "set(SOURCE_DIR \"${PROJECT_SOURCE_DIR}\")
+set(BINARY_DIR \"${PROJECT_BINARY_DIR}\")
+set(HEADERS \"${KAPPAFLOW_PUBLIC_HEADERS}\")
+set(HEADER_DIR \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_INCLUDEDIR}\")")
+install(SCRIPT cmake/install_headers.cmake)
 
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME program)
 install(TARGETS kappaflow)

@@ -33,4 +33,12 @@ struct TriangleSurface {
   std::vector<Triangle> triangles;
 };
 
+// The layouts of what stands in public headers do not depend on -march: programs may be compiled with another
+// one than the library, or with none. Eigen aligns a fixed-size type of a multiple of 16 bytes to as much as
+// the processor's registers have (Matrix2d to 16 or 32), so none that is larger than 16 bytes may stand
+// there.
+static_assert(alignof(Vec3) == alignof(double) && sizeof(Vec3) == 3 * sizeof(double));
+static_assert(alignof(Mat3) == alignof(double) && sizeof(Mat3) == 9 * sizeof(double));
+static_assert(alignof(Vec2) == 16 && alignof(Vec4f) == 16);
+
 }  // namespace kappaflow

@@ -1,68 +1,39 @@
-// Tracks the surface of a ball of particles that rolls, and says how far its vertices end up from their
-// material.
-#include <Eigen/Geometry>
-#include <algorithm>
+// Two drops meet and become one. Their surface is tracked from frame to frame; ParaView opens drops.pvd.
+#include <kappaflow/core/errors.h>
+#include <kappaflow/io/files.h>
+#include <kappaflow/io/pvd.h>
+#include <kappaflow/io/vtp_files.h>
+#include <kappaflow/surface/tracker/tracked_surfaces.h>
+
 #include <cstdio>
-
-#include "core/errors.h"
-#include "surface/field/particle_motion.h"
-#include "surface/field/rigid_particles.h"
-#include "surface/remesh/initial_mesh.h"
-#include "surface/tracker/surface_tracker.h"
-
-namespace {
 
 using namespace kappaflow;
 
-constexpr double kSpacing = 0.1, kSigma = 2 * kSpacing;  // [m]
-constexpr int kSteps = 10;                               // a frame of the simulation each
-constexpr double kFrameTime = 0.02;                      // [s]
-const SteadyMotion kRolling{.velocity = Vec3(1.2, 0, 0), .angular_velocity = Vec3(0, 0, -3)};
-
-/// The particles as a simulation would hand them over: ids, positions and velocities at one instant.
-Particles particles_at(double time) {
-  Particles ball;
-  ball.time = time;
-  for (int k = 0; k < 9 * 9 * 9; ++k) {
-    const Vec3 x0 = kSpacing * Vec3(k % 9 - 4, k / 9 % 9 - 4, k / 81 - 4);
-    if (x0.norm() > 0.4) continue;
-    ball.id.push_back(k);
-    ball.position.push_back(kRolling.position(x0, time));
-    ball.velocity.push_back(kRolling.velocity +
-                            kRolling.angular_velocity.cross(kRolling.rotation(time) * x0));
+/// What a simulation hands over at one instant: ids, positions and velocities.
+Particles two_drops(double time) {
+  Particles drops{time, {}, {}, {}};
+  for (int k = 0; k < 2 * 729; ++k) {
+    const Vec3 x = 0.1 * Vec3(k % 9 - 4, k / 9 % 9 - 4, k / 81 % 9 - 4), side(k < 729 ? -1 : 1, 0, 0);
+    if (x.norm() > 0.4) continue;
+    drops.id.push_back(k);
+    drops.position.push_back(x + (0.7 - 0.5 * time) * side);
+    drops.velocity.push_back(-0.5 * side);
   }
-  return ball;
+  return drops;
 }
 
-double largest_error(const TriangleMesh& mesh, double time) {
-  double largest = 0;
-  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
-    largest = std::max(largest, (mesh.position[v] - kRolling.position(mesh.rest_position[v], time)).norm());
-  return largest / kSigma;
-}
-
-void roll() {
-  const ParticleFieldOptions field{.sigma = kSigma, .threshold = 2};
-  Particles now = particles_at(0);
-  SurfaceTracker tracker(initial_mesh(*particle_field(now, field), 0.5 * kSigma, {}),
-                         {.method = evaluate_regional});
-  for (int frame = 1; frame <= kSteps; ++frame) {
-    const Particles next = particles_at(frame * kFrameTime);
-    ParticleMotion motion(now, next, field);
-    tracker.step(motion);
-    now = next;
+int main() try {
+  TrackedSurfaces surface(two_drops(0));
+  std::vector<PvdEntry> series;
+  for (int frame = 0; frame <= 20; ++frame) {
+    if (frame > 0) surface.advance(two_drops(0.04 * frame));
+    const std::string file = "drops_" + std::to_string(frame) + ".vtp";
+    write_vtp(file, *surface_data({surface.time(), surface.mesh(), surface.state()}));
+    series.push_back({surface.time(), 0, "drops", file});
   }
-  std::printf("%zu vertices, at most %.3f sigma from their material after %g s\n",
-              tracker.mesh().vertex_count(), largest_error(tracker.mesh(), now.time), now.time);
-}
-
-}  // namespace
-
-int main() {
-  try {
-    roll();
-  } catch (const kappaflow::Error& error) {
-    std::fprintf(stderr, "ball: error: %s\n", error.what());
-    return error.exit_code();
-  }
+  write_file("drops.pvd", pvd_text(series));
+  std::printf("%zu vertices after %g s\n", surface.mesh().vertex_count(), surface.time());
+} catch (const Error& error) {
+  std::fprintf(stderr, "drops: error: %s\n", error.what());
+  return error.exit_code();
 }

@@ -1,0 +1,47 @@
+# The pages about the libraries keep up with them: docs/api.md names every public header and no other, docs/extending.md
+# shows the code that the tests build.
+#   cmake -DSOURCE_DIR=... -P api.cmake
+cmake_minimum_required(VERSION 3.25)
+include(${SOURCE_DIR}/cmake/public_headers.cmake)
+list(TRANSFORM KAPPAFLOW_PUBLIC_HEADERS REPLACE "^tools/" "" OUTPUT_VARIABLE headers)
+
+file(READ ${SOURCE_DIR}/docs/api.md page)
+foreach(header IN LISTS headers)
+  string(FIND "${page}" "`${header}`" found)
+  if(found EQUAL -1)
+    message(SEND_ERROR "docs/api.md does not name the public header ${header}")
+  endif()
+endforeach()
+string(REGEX MATCHALL "`[a-z_/]+[.]h`" named "${page}")
+foreach(name IN LISTS named)
+  string(REPLACE "`" "" name "${name}")
+  if(NOT name IN_LIST headers)
+    message(SEND_ERROR "docs/api.md names ${name}, which is no public header: cmake/public_headers.cmake")
+  endif()
+endforeach()
+
+# Text without characters that mean something in CMake's lists.
+function(read_plain file result)
+  file(READ ${file} text)
+  string(REPLACE ";" "@S@" text "${text}")
+  string(REPLACE "[" "@O@" text "${text}")
+  string(REPLACE "]" "@C@" text "${text}")
+  set(${result} "${text}" PARENT_SCOPE)
+endfunction()
+
+# Every block of C++ is lines of the program, or the line of the list of methods.
+read_plain(${SOURCE_DIR}/docs/extending.md page)
+read_plain(${SOURCE_DIR}/tests/outside/extending/height.cpp code)
+read_plain(${SOURCE_DIR}/tests/outside/extending/main.cpp program)
+string(APPEND program "${code}      {\"height\", \"keeps the height of each point\", evaluate_height},\n")
+string(REGEX MATCHALL "\n```cpp\n[^`]*" blocks "${page}")
+if(NOT "\n```cpp\n${code}" IN_LIST blocks)
+  message(SEND_ERROR "docs/extending.md does not show tests/outside/extending/height.cpp as it is")
+endif()
+foreach(block IN LISTS blocks)
+  string(REPLACE "\n```cpp\n" "" block "${block}")
+  string(FIND "${program}" "${block}" found)
+  if(found EQUAL -1)
+    message(SEND_ERROR "docs/extending.md shows code that is not in tests/outside/extending:\n${block}")
+  endif()
+endforeach()

@@ -1,0 +1,50 @@
+// Tracks the surface of a turning body by a velocity method of this program's own.
+#include <kappaflow/core/errors.h>
+#include <kappaflow/surface/tracker/tracked_surfaces.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "height.h"
+
+using namespace kappaflow;
+
+/// Eight particles at the corners of a box, which turns about the y axis with 1/s.
+Particles turning_box(double time) {
+  Particles box;
+  box.time = time;
+  const Eigen::AngleAxisd rotation(time, Vec3::UnitY());
+  for (int k = 0; k < 8; ++k) {
+    box.id.push_back(k);
+    box.position.push_back(rotation * Vec3(k & 1 ? 0.2 : -0.2, k & 2 ? 0.3 : -0.3, k & 4 ? 0.1 : -0.1));
+    box.velocity.push_back(Vec3::UnitY().cross(box.position.back()));
+  }
+  return box;
+}
+
+int main() try {
+  SurfaceOptions options;
+  options.sigma = 0.8, options.spacing = 1, options.threshold = 0.5;  // [m]
+  options.edge_length = 0.25;
+  options.velocities = {evaluate_height};
+  options.tracker.velocity = {.damping = 1e-3, .speed_limit = 4};
+  options.tracker.fairing.iterations = 0;
+  options.remesh = false;
+  TrackedSurfaces surface(turning_box(0), options);
+  for (int frame = 1; frame <= 10; ++frame) surface.advance(turning_box(0.02 * frame));
+
+  double moved = 0, height_change = 0;
+  const TriangleMesh& mesh = surface.mesh();
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+    moved = std::max(moved, (mesh.position[v] - mesh.rest_position[v]).norm());
+    height_change = std::max(height_change, std::abs(mesh.position[v].y() - mesh.rest_position[v].y()));
+  }
+  std::printf("%zu vertices moved by up to %.17g m and changed their height by %.17g m\n",
+              mesh.vertex_count(), moved, height_change);
+  return moved > 0.02 && height_change < 0.01 * moved ? 0 : 1;
+} catch (const Error& error) {
+  std::fprintf(stderr, "height: error: %s\n", error.what());
+  return error.exit_code();
+}
