@@ -9,7 +9,7 @@
 namespace kappaflow {
 namespace {
 
-constexpr std::size_t kGrain = 64;  // a projection is several evaluations of the field
+constexpr std::size_t kGrain = 64;  // points of a task: each is several evaluations of the field
 
 double residual(const ValueAndGradient& at, double length_scale) {
   const double slope = at.g.norm();

@@ -14,9 +14,9 @@
 namespace kappaflow {
 namespace {
 
-// Directions of a rigid motion that are this much less determined than the best are left at rest.
+// [1] Directions of a rigid motion that are this much less determined than the best are left at rest.
 constexpr double kSingular = 1e-10;
-// A rotation counts as none when it moves the surface by this share of its speed or less.
+// [1] A rotation counts as none when it moves the surface by this share of its speed or less.
 constexpr double kNoRotation = 1e-6;
 
 Vec3 tangential(const Vec3& v, const Vec3& normal) {

@@ -12,9 +12,9 @@ namespace {
 
 constexpr std::array<double, 3> kCream{246, 229, 196};
 constexpr std::array<double, 3> kBlue{46, 106, 168};
-constexpr double kBrightnessRange = 0.22;  // of a colour: the darkest cube has 1 - kBrightnessRange of it
+constexpr double kBrightnessRange = 0.22;  // [1] of a colour: the darkest cube has 1 - kBrightnessRange of it
 
-constexpr std::int64_t kFarthestCube = std::int64_t{1} << 52;
+constexpr std::int64_t kFarthestCube = std::int64_t{1} << 52;  // double tells cubes up to there apart
 
 // In [0, 1), the same for a cube at every call.
 double cube_hash(const std::array<std::int64_t, 3>& cube) {

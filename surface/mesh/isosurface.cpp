@@ -23,9 +23,9 @@
 namespace kappaflow {
 namespace {
 
-constexpr double kMostPoints = 2147483648.0;  // 2^31
-// Share of the largest |f| of a plane below which a sample counts as this far from zero: a sample of exactly
-// zero would put several vertices on the same lattice point.
+constexpr double kMostPoints = 2147483648.0;  // 2^31: more is a mistake in the spacing
+// [1] Share of the largest |f| of a plane below which a sample counts as this far from zero: a sample of
+// exactly zero would put several vertices on the same lattice point. A float has seven digits.
 constexpr float kSmallestSample = 1e-6f;
 constexpr int kFalsePositions = 40;  // evaluations on an edge at most
 

@@ -133,7 +133,7 @@ TriangleDistortion triangle_distortion(std::span<const Vec3> position, std::span
 }
 
 bool is_delaunay(const Vec3& u, const Vec3& v, const Vec3& a, const Vec3& b) {
-  constexpr double kMargin = 1e-9;  // of the sum of cotangents
+  constexpr double kMargin = 1e-9;  // [1] of the sum of cotangents: rounding flips no edge to and fro
   return !(cotangent_at(a, u, v) + cotangent_at(b, u, v) < -kMargin);
 }
 

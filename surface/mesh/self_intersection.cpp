@@ -13,7 +13,7 @@
 namespace kappaflow {
 namespace {
 
-constexpr std::uint64_t kMostCells = 1048576;  // along an axis: three indices fit into 60 bits
+constexpr std::uint64_t kMostCells = 1048576;  // along an axis: an index has 21 bits of a key
 
 struct Box {
   Vec3 lower, upper;

@@ -7,7 +7,7 @@
 namespace kappaflow {
 namespace {
 
-constexpr double kLongestPath = 1.5;  // in radii
+constexpr double kLongestPath = 1.5;  // [radii] along the mesh: what is further is the other side of a film
 
 /// Gives the patch of each new sample the vertices that it is nearest to so far.
 void choose_samples(std::span<const Vec3> position, const VertexRings& rings, std::span<const double> spacing,

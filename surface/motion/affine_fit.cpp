@@ -11,9 +11,10 @@
 namespace kappaflow {
 namespace {
 
-constexpr double kHessianWeight = 0.3;
-constexpr double kLargestRows = 30;  // rows of the Hessian beyond this size have their weight reduced
-// Lambda: small enough not to slow a rigid motion, large enough to choose among motions no row tells apart.
+constexpr double kHessianWeight = 0.3;  // [1] beside the normal's row: third derivatives are the noisier ones
+constexpr double kLargestRows = 30;     // [1] rows of the Hessian beyond this size have their weight reduced
+// Lambda [1]: small enough not to slow a rigid motion, large enough to choose where no row tells which
+// motion.
 constexpr double kTranslationDamping = 3e-5, kRotationDamping = 3e-4, kStrainDamping = 3e-2;
 
 /// Columns e (3), c (9), b.

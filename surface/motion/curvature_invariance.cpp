@@ -38,7 +38,7 @@ void evaluate_curvature(const Field& field, const SurfacePoints& points, const V
 
 void evaluate_curvature_first(const Field& field, const SurfacePoints& points, const VelocityOptions& options,
                               VelocitySpans result) {
-  constexpr double kUndetermined = 3;  // mu over the damping
+  constexpr double kUndetermined = 3;  // [dampings] singular value at which both kinds of rows have equal say
   evaluate_pointwise(field, points, result, [&](const Vec3& /*x*/, const Jet& jet) {
     const TangentBasis basis = tangent_basis(jet.g.normalized());
     const Vec3 v_n = normal_velocity(jet, options);

@@ -13,10 +13,11 @@
 namespace kappaflow {
 namespace {
 
-// In units of the length scale at the point.
-constexpr double kRadius = 1.25, kLargestRadius = 2.5, kSampleSpacing = 0.5;
-constexpr double kRadiusGrowth = 1.414;  // of the radius from one attempt to the next
-constexpr double kDetermined = 0.05;     // AffineFit::determined that a window is content with
+// Of a window, in length scales at the point: what is not affine within it is averaged, see docs/regional.md.
+constexpr double kRadius = 1.25, kLargestRadius = 2.5;
+constexpr double kSampleSpacing = 0.5;   // [length scales] ten to twenty patches a window
+constexpr double kRadiusGrowth = 1.414;  // [1] from one attempt to the next: twice the area
+constexpr double kDetermined = 0.05;     // [1] AffineFit::determined that a window is content with
 constexpr std::size_t kPointsPerTask = 64;
 
 /// What is known at every point before any window is looked at.

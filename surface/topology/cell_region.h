@@ -49,7 +49,7 @@ class CellRegion {
   }
 
  private:
-  static constexpr double kMostCells = 67108864;  // 2^26
+  static constexpr double kMostCells = 67108864;  // 2^26: 64 MiB
 
   std::size_t index(const LatticeCell& c) const {
     return c[0] - first_[0] +

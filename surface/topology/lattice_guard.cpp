@@ -8,7 +8,7 @@
 namespace kappaflow {
 namespace {
 
-constexpr double kMostLatticePoints = 10000;  // across what a triangle sweeps, along all axes together
+constexpr double kMostLatticePoints = 10000;  // [points] across a sweep, all axes together
 
 }  // namespace
 

@@ -9,7 +9,7 @@
 namespace kappaflow {
 namespace {
 
-constexpr double kFacingWeight = 4;  // how much a triangle that faces sideways costs
+constexpr double kFacingWeight = 4;  // [1] a triangle that faces sideways costs five times its size
 
 struct Cost {
   std::span<const Vec3> position, gradient;

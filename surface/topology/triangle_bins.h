@@ -41,7 +41,7 @@ class TriangleBins {
  private:
   using Cell = std::array<std::int64_t, 3>;  // far from the origin more than an int counts
   Cell cell(const Vec3& x) const {
-    constexpr std::int64_t kFarthest = std::int64_t{1} << 52;
+    constexpr std::int64_t kFarthest = std::int64_t{1} << 52;  // double tells cells up to there apart
     const Vec3 c = (x / size_).array().floor();
     const auto index = [&](int a) { return whole_within(c[a], -kFarthest, kFarthest); };
     return {index(0), index(1), index(2)};

@@ -9,9 +9,9 @@
 namespace kappaflow {
 namespace {
 
-constexpr int kWindingPlanes = 8;
+constexpr int kWindingPlanes = 8;           // of a task: most triangles reach into one or two
 constexpr int kBeyondLattice = 1 << 30;     // more points than one has along an axis
-const Vec3 kRowShift(0, 1.37e-7, 2.91e-7);  // of the rows from the lattice's points, in spacings
+const Vec3 kRowShift(0, 1.37e-7, 2.91e-7);  // [spacings] of the rows: patches have vertices on the lattice's
 
 /// Twice the area of (a, b, p) projected on the y-z plane, positive counter-clockwise. The same number, but
 /// for its sign, from both triangles at an edge.

@@ -14,10 +14,9 @@ namespace {
 
 using Mat2 = Eigen::Matrix2d;
 
-// A move is at most this share of the mean rest length of the vertex's springs: it keeps triangles from
-// folding over.
+// [mean rest lengths of the vertex's springs] A longer move could fold triangles over.
 constexpr double kLongestMove = 0.25;
-// Share of a spring's stiffness that is added in every direction, for rings that have folded into a line.
+// [1] Share of a spring's stiffness that is added in every direction, for rings that have folded into a line.
 constexpr double kRegularisation = 1e-3;
 
 /// Two orthonormal rows that span the plane normal to the unit vector n (Duff et al. 2017).

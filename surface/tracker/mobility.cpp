@@ -8,6 +8,7 @@
 namespace kappaflow {
 namespace {
 
+// [1] What an outlier is off by: the scatter around it, and so much of the speed that rounding is none.
 constexpr double kMedians = 3, kSpeeds = 0.1;
 constexpr int kLargestRing = 64;  // of a mesh in good order about 6; the rest of a larger ring has no vote
 

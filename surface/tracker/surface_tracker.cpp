@@ -16,7 +16,7 @@
 namespace kappaflow {
 namespace {
 
-constexpr int kSettlingRounds = 4;
+constexpr int kSettlingRounds = 4;  // of replacing and remeshing: one may call for another nearby
 
 }  // namespace
 
