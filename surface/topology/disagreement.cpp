@@ -87,83 +87,103 @@ void deform(const std::array<int, 3>& dims, std::vector<LatticeCell>& points,
   } while (points.size() < before);
 }
 
-/// Moves the points further than `limit` from every triangle of the mesh from `near` to `certain`: the mesh
-/// has left a tip or a slit out that is thinner than f/|g| tells.
-void move_far_from_mesh(const TriangleMesh& mesh, double limit, const SampledField& lattice,
-                        std::vector<LatticeCell>& near, std::vector<LatticeCell>& certain) {
-  enum Mark : char { other, asked, found };
-  std::vector<char> mark(static_cast<std::size_t>(lattice.dims[0]) * lattice.dims[1] * lattice.dims[2],
-                         other);
-  const auto mark_of = [&](const LatticeCell& at) -> char& {
-    return mark[at[0] + lattice.dims[0] * (at[1] + static_cast<std::size_t>(lattice.dims[1]) * at[2])];
-  };
-  for (const LatticeCell& at : near) mark_of(at) = asked;
-  const Vec3 origin = lattice.origin + Vec3(0, 0, lattice.spacing * lattice.first_plane);
-  parallel_for(mesh.triangles.size(), [&](std::size_t t) {
-    if (mesh.triangles[t] == kRemovedTriangle) return;
-    const auto& [a, b, c] = mesh.triangles[t];
-    const std::array<Vec3, 3> corner{mesh.position[a], mesh.position[b], mesh.position[c]};
-    const Vec3 least = corner[0].cwiseMin(corner[1]).cwiseMin(corner[2]),
-               most = corner[0].cwiseMax(corner[1]).cwiseMax(corner[2]);
-    LatticeCell first{}, last{}, at{};
-    for (int i = 0; i < 3; ++i) {
-      const int end = lattice.dims[i];
-      first[i] = whole_within((least[i] - limit - origin[i]) / lattice.spacing, 0, end) + 1;
-      last[i] = whole_within((most[i] + limit - origin[i]) / lattice.spacing, -1, end - 1);
-    }
-    for (at[2] = first[2]; at[2] <= last[2]; ++at[2])
-      for (at[1] = first[1]; at[1] <= last[1]; ++at[1])
-        for (at[0] = first[0]; at[0] <= last[0]; ++at[0]) {
-          const std::atomic_ref<char> state(mark_of(at));
-          if (state.load(std::memory_order_relaxed) != asked) continue;
-          const Vec3 x = origin + lattice.spacing * Vec3(at[0], at[1], at[2]);
-          if ((nearest_on_triangle(corner, x).point - x).norm() <= limit)
-            state.store(found, std::memory_order_relaxed);
-        }
-  });
-  const auto far = std::stable_partition(near.begin(), near.end(),
-                                         [&](const LatticeCell& at) { return mark_of(at) == found; });
-  certain.insert(certain.end(), far, near.end());
-  near.erase(far, near.end());
+/// Calls visit(point) for the points of the samples in the triangle's box, widened by `reach` [m].
+template <class Visit>
+void for_each_point_near(const std::array<Vec3, 3>& corner, double reach, const SampledField& samples,
+                         const Visit& visit) {
+  const Vec3 origin = samples.origin + Vec3(0, 0, samples.spacing * samples.first_plane);
+  const Vec3 least = corner[0].cwiseMin(corner[1]).cwiseMin(corner[2]),
+             most = corner[0].cwiseMax(corner[1]).cwiseMax(corner[2]);
+  LatticeCell first{}, last{}, at{};
+  for (int i = 0; i < 3; ++i) {
+    const int end = samples.dims[i];
+    first[i] = whole_within((least[i] - reach - origin[i]) / samples.spacing, 0, end) + 1;
+    last[i] = whole_within((most[i] + reach - origin[i]) / samples.spacing, -1, end - 1);
+  }
+  for (at[2] = first[2]; at[2] <= last[2]; ++at[2])
+    for (at[1] = first[1]; at[1] <= last[1]; ++at[1])
+      for (at[0] = first[0]; at[0] <= last[0]; ++at[0])
+        visit(at, Vec3(origin + samples.spacing * Vec3(at[0], at[1], at[2])));
 }
 
-/// The points in dispute of some planes of the lattice, by their numbers in these.
-std::vector<LatticeCell> points_in_dispute(const Field& field, const TriangleMesh& mesh, double limit,
-                                           SampledField& lattice) {
-  field.sample(lattice);
-  std::vector<std::int8_t> winding = winding_numbers(mesh.position, mesh.triangles, lattice);
-  const auto [nx, ny, nz] = lattice.dims;
-  struct Found {
-    std::vector<LatticeCell> certain, near;  // near f = 0, where a good mesh's chords may be on either side
-  };
-  std::vector<Found> found(nz);
-  parallel_for(
-      static_cast<std::size_t>(nz),
-      [&, nx = nx, ny = ny](std::size_t k) {
-        std::size_t index = k * ny * nx;
-        for (int j = 0; j < ny; ++j)
-          for (int i = 0; i < nx; ++i, ++index) {
-            const double f = lattice.value[index];
-            if (winding[index] == (f > 0 ? 1 : 0)) continue;
-            const LatticeCell at{i, j, static_cast<int>(k)};
-            const bool near = (winding[index] == 0 || winding[index] == 1) &&
-                              std::abs(f) <= limit * sampled_gradient(lattice, at).norm() &&
-                              !is_on_rim(lattice.dims, at) &&
-                              is_simple(around(lattice.dims, at,
-                                               [&](std::size_t point) { return lattice.value[point] > 0; }));
-            (near ? found[k].near : found[k].certain).push_back(at);
-          }
-      },
-      1);
-  std::vector<LatticeCell> points, near;
-  for (const Found& plane : found) {
-    points.insert(points.end(), plane.certain.begin(), plane.certain.end());
-    near.insert(near.end(), plane.near.begin(), plane.near.end());
+/// Points of the samples on which mesh and surface do not agree.
+struct DisputedPoints {
+  std::vector<LatticeCell> certain;
+  std::vector<LatticeCell> near;  ///< near f = 0, where a good mesh's chords may be on either side
+
+  void add(const DisputedPoints& other) {
+    certain.insert(certain.end(), other.certain.begin(), other.certain.end());
+    near.insert(near.end(), other.near.begin(), other.near.end());
   }
-  move_far_from_mesh(mesh, limit, lattice, near, points);
-  deform(lattice.dims, near, winding);
-  points.insert(points.end(), near.begin(), near.end());
-  return points;
+};
+
+/// Whether the mesh may have the point on the wrong side only because its triangles are flat: f = 0 is within
+/// `limit` [m], as f and its central differences tell, and the point is simple in the surface's inside.
+bool is_near_surface(const SampledField& samples, const LatticeCell& at, double f, double limit) {
+  return std::abs(f) <= limit * sampled_gradient(samples, at).norm() && !is_on_rim(samples.dims, at) &&
+         is_simple(around(samples.dims, at, [&](std::size_t point) { return samples.value[point] > 0; }));
+}
+
+/// The points of plane k whose winding number is not what the sign of f says.
+DisputedPoints disputed_in_plane(const SampledField& samples, std::span<const std::int8_t> winding, int k,
+                                 double limit) {
+  const auto [nx, ny, nz] = samples.dims;
+  DisputedPoints found;
+  std::size_t index = static_cast<std::size_t>(k) * ny * nx;
+  for (int j = 0; j < ny; ++j)
+    for (int i = 0; i < nx; ++i, ++index) {
+      const double f = samples.value[index];
+      if (winding[index] == (f > 0 ? 1 : 0)) continue;
+      const bool once = winding[index] == 0 || winding[index] == 1;
+      const LatticeCell at{i, j, k};
+      (once && is_near_surface(samples, at, f, limit) ? found.near : found.certain).push_back(at);
+    }
+  return found;
+}
+
+/// Moves the points further than `limit` from every triangle of the mesh from `near` to `certain`: the mesh
+/// has left a tip or a slit out that is thinner than f/|g| tells.
+void move_far_from_mesh(const TriangleMesh& mesh, double limit, const SampledField& samples,
+                        DisputedPoints& disputed) {
+  enum Mark : char { other, asked, found };
+  std::vector<char> mark(static_cast<std::size_t>(samples.dims[0]) * samples.dims[1] * samples.dims[2],
+                         other);
+  const auto mark_of = [&](const LatticeCell& at) -> char& {
+    return mark[at[0] + samples.dims[0] * (at[1] + static_cast<std::size_t>(samples.dims[1]) * at[2])];
+  };
+  for (const LatticeCell& at : disputed.near) mark_of(at) = asked;
+  parallel_for(mesh.triangles.size(), [&](std::size_t t) {
+    const auto& [a, b, c] = mesh.triangles[t];
+    const std::array<Vec3, 3> corner{mesh.position[a], mesh.position[b], mesh.position[c]};
+    for_each_point_near(corner, limit, samples, [&](const LatticeCell& at, const Vec3& x) {
+      const std::atomic_ref<char> state(mark_of(at));
+      if (state.load(std::memory_order_relaxed) != asked) return;
+      if ((nearest_on_triangle(corner, x).point - x).norm() <= limit)
+        state.store(found, std::memory_order_relaxed);
+    });
+  });
+  const auto far = std::stable_partition(disputed.near.begin(), disputed.near.end(),
+                                         [&](const LatticeCell& at) { return mark_of(at) == found; });
+  disputed.certain.insert(disputed.certain.end(), far, disputed.near.end());
+  disputed.near.erase(far, disputed.near.end());
+}
+
+/// The points in dispute of some planes of the lattice, by their numbers in these; fills the samples.
+std::vector<LatticeCell> points_in_dispute(const Field& field, const TriangleMesh& mesh, double limit,
+                                           SampledField& samples) {
+  field.sample(samples);
+  std::vector<std::int8_t> winding = winding_numbers(mesh.position, mesh.triangles, samples);
+  std::vector<DisputedPoints> in_plane(samples.dims[2]);
+  parallel_for(
+      in_plane.size(),
+      [&](std::size_t k) { in_plane[k] = disputed_in_plane(samples, winding, static_cast<int>(k), limit); },
+      1);
+  DisputedPoints disputed;
+  for (const DisputedPoints& plane : in_plane) disputed.add(plane);
+  move_far_from_mesh(mesh, limit, samples, disputed);
+  deform(samples.dims, disputed.near, winding);
+  disputed.certain.insert(disputed.certain.end(), disputed.near.begin(), disputed.near.end());
+  return disputed.certain;
 }
 
 }  // namespace
