@@ -168,7 +168,7 @@ bool SurfaceTracker::State::change_topology(const Field& field, Comparison compa
   TopologyCounts counts;
   report.topology_seconds += seconds_of([&] {
     counts = topology_change.change(field, options.topology, options.remeshing.edge_length,
-                                     options.projection, comparison, mesh);
+                                    options.projection, comparison, mesh);
     if (counts.replaced > 0) renew_connectivity(topology_change.history());
   });
   report.topology += counts;
@@ -180,8 +180,8 @@ void SurfaceTracker::State::remesh(const Field& field, TrackerStep& report) {
   if (options.topology.follows_field)
     guard.emplace(topology_guard(field, options.topology, options.remeshing.edge_length));
   report.remesh_seconds += seconds_of([&] {
-    const RemeshCounts counts = remesher.remesh(field, options.remeshing, options.projection, rings,
-                                                 mesh, guard ? &*guard : nullptr);
+    const RemeshCounts counts =
+        remesher.remesh(field, options.remeshing, options.projection, rings, mesh, guard ? &*guard : nullptr);
     if (counts.any()) renew_connectivity(remesher.history());
     report.edits += counts;
   });
@@ -197,12 +197,12 @@ void SurfaceTracker::State::renew_connectivity(const VertexHistory& history) {
 
 void SurfaceTracker::State::advect(FieldMotion& motion) {
   vertex_areas(mesh.position, mesh.triangles, area);
-  runge_kutta.advance(motion, options.integrator, mesh.position,
-                       [&](const Field& field, std::span<const Vec3> position) -> std::span<const Vec3> {
-                         options.method(field, {position, area, rings}, options.velocity,
-                                        velocities.sized(position.size()));
-                         return velocities.velocity;
-                       });
+  runge_kutta.advance(
+      motion, options.integrator, mesh.position,
+      [&](const Field& field, std::span<const Vec3> position) -> std::span<const Vec3> {
+        options.method(field, {position, area, rings}, options.velocity, velocities.sized(position.size()));
+        return velocities.velocity;
+      });
 }
 
 }  // namespace kappaflow

