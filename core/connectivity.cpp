@@ -98,12 +98,13 @@ std::vector<Edge> open_edges(std::span<const Triangle> triangles) {
   std::vector<Edge> open;
   for (std::size_t e = 0; e < sides.edges(); ++e) {
     const std::span<const int> along = sides.of(e);
-    const Edge edge{origin_of(triangles, along[0]), end_of(triangles, along[0])};
-    const auto as_first =
-        std::ranges::count_if(along, [&](int h) { return origin_of(triangles, h) == edge.first; });
-    const auto surplus = 2 * as_first - std::ssize(along);
+    const int u = origin_of(triangles, along[0]);
+    const auto from_u = std::ranges::count_if(along, [&](int h) { return origin_of(triangles, h) == u; });
+    const auto surplus = 2 * from_u - std::ssize(along);
+    if (surplus == 0) continue;
+    const int v = end_of(triangles, along[0]);
     open.insert(open.end(), static_cast<std::size_t>(std::abs(surplus)),
-                surplus > 0 ? edge : Edge{edge.second, edge.first});
+                surplus > 0 ? Edge{u, v} : Edge{v, u});
   }
   std::ranges::sort(open);
   return open;
