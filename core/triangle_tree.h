@@ -25,8 +25,8 @@ class TriangleTree {
   /// triangles: at least one, all finite [m].
   explicit TriangleTree(std::span<const Corners> triangles);
 
-  /// The nearest triangle to x; of several the first in the order of the tree, which depends on the triangles
-  /// alone. May be called from many threads.
+  /// The nearest triangle to x; the first of them in the order of the tree, which depends on the triangles
+  /// alone, if several are as near. May be called from many threads.
   Nearest nearest(const Vec3& x) const;
 
   /// Calls visit(number) for every triangle whose box meets the one from lower to upper, and for others near.

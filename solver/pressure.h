@@ -14,9 +14,11 @@ namespace kappaflow {
 /// How a pressure solve ended.
 struct PressureSolve {
   int iterations = 0;
-  double mean_error =
-      0;  ///< mean of max(predicted density / rest density - 1, 0) or its like for the divergence [1]
-  float max_error = 0;  ///< its maximum [1]
+  /// Mean over the particles of |max(c, -d kappa)|, c the left-hand side of the constraint (predicted density
+  /// over rest density less 1, or its like for the divergence) and d kappa what the particle's own pressure
+  /// takes from it: how far either is from 0 where kappa >= 0 >= c must hold with one of them 0. [1]
+  double mean_error = 0;
+  float max_error = 0;  ///< the largest c, or 0 [1]
 };
 
 /// Finds kappa_i >= 0 [m2/s2] such that the accelerations

@@ -24,6 +24,7 @@ class RigidParticles final : public FieldMotion {
 
   double t0() const override { return t0_; }
   double t1() const override { return t1_; }
+  /// Of any t: the motion does not end.
   std::shared_ptr<const Field> at(double t) override;
 
  private:

@@ -16,6 +16,7 @@ struct RungeKuttaStage {
   double weight = 0;  ///< b: the stage's share of the step
 };
 
+/// The stages of a method, in order: one, two or four.
 std::span<const RungeKuttaStage> runge_kutta_stages(TimeIntegrator integrator);
 
 /// Moves points from motion.t0() to motion.t1(); keeps its scratch, so that steps allocate nothing.
