@@ -1,4 +1,6 @@
-// What a run will need: simple models, their constants in one place.
+// Simple models, their constants in one place.
+#include "scenes/estimate.h"
+
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -7,13 +9,10 @@
 
 #include "core/named.h"
 #include "core/whole_within.h"
-#include "scenes/mesh_file.h"
-#include "scenes/scene.h"
 #include "scenes/shapes.h"
 #include "solver/emitter.h"
 #include "solver/surface_tension.h"
 #include "solver/time_step.h"
-#include "surface/mesh/mesh_measures.h"
 
 namespace kappaflow {
 namespace {
@@ -44,7 +43,7 @@ constexpr double kSolverSecondsPerParticleStep = 1.4e-6;
 constexpr double kSecondsPerViscousIteration = 0.11e-6;  // and particle
 constexpr double kSecondsPerFairing = 0.3e-6;            // a vertex and step: projection
 constexpr double kSecondsPerFairingIteration = 0.32e-6;  // and relaxation
-constexpr double kSecondsPerMending = 1.2e-6;     // likewise: remeshing, and looking for changes of topology
+constexpr double kSecondsPerRemeshing = 1.2e-6;   // likewise: remeshing, and looking for changes of topology
 constexpr double kSecondsPerRegionVertex = 4e-6;  // to replace a region of a mesh of so many vertices
 constexpr double kOutputSecondsPerParticle = 2e-6;  // a frame
 constexpr double kOutputSecondsPerVertex = 20e-6;   // a frame and method, measures included
@@ -78,20 +77,6 @@ constexpr double kSplashPeak = 3;  // when, in units of when it begins
 constexpr double kRegionsPerMotion = 0.009, kStreamRegionsPerMotion = 7e-5;
 constexpr double kFoldingPower = 0.8, kMostFolding = 30;
 
-double area(const BoxShape& box) {
-  const Vec3 d = box.upper - box.lower;
-  return 2 * (d.x() * d.y() + d.y() * d.z() + d.z() * d.x());
-}
-double area(const SphereShape& sphere) {
-  return 4 * M_PI * sphere.radius * sphere.radius;
-}
-
-/// Of the mesh that the file holds, without checks: loading has made them.
-double area(const MeshShape& mesh) {
-  const TriangleSurface surface = mesh_surface(mesh, {});
-  return area_and_volume(surface.vertices, surface.triangles).area;
-}
-
 double memory(const Scene& scene, double particles, double boundary_particles, double vertices) {
   const double methods = static_cast<double>(scene.surface.methods.size());
   const double sample = kSampleSpacing * scene.surface.sigma;  // [spacings]
@@ -104,6 +89,7 @@ double memory(const Scene& scene, double particles, double boundary_particles, d
 
 /// What is the same at every moment of the run, of a scene and its walls.
 struct Flow {
+  double block_area = 0;     // of the liquid's blocks [m2]
   double fastest_start = 0;  // [m/s]
   double fastest = 0;        // after the deepest possible fall [m/s]
   double energy = 0;         // that the liquid has to give until it is at rest on the floor [J/kg]
@@ -123,14 +109,15 @@ struct Floor {
   double area = 0;              // [m2]
 };
 
-Floor lowest_floor(const Scene& scene, const std::vector<TriangleSurface>& walls) {
+Floor lowest_floor(const Scene& scene, std::span<const SolidWall> walls) {
   constexpr double kLevel = 0.7;  // cosine of the slope
   const Vec3 up = -scene.fluid.gravity.normalized();
   const double same_level = scene.fluid.gravity.norm() * scene.fluid.spacing;
   Floor floor;
-  for (const TriangleSurface& wall : walls)
-    for (const auto& [a, b, c] : wall.triangles) {
-      const Vec3 &p = wall.vertices[a], &q = wall.vertices[b], &r = wall.vertices[c];
+  for (const SolidWall& wall : walls)
+    for (const auto& [a, b, c] : wall.surface().triangles) {
+      const std::vector<Vec3>& x = wall.surface().vertices;
+      const Vec3 &p = x[a], &q = x[b], &r = x[c];
       const Vec3 twice_area = (q - p).cross(r - p);
       const double upward = up.dot(twice_area), level = potential(scene, (p + q + r) / 3);
       if (upward < kLevel * twice_area.norm() || level > floor.potential + same_level) continue;
@@ -176,9 +163,12 @@ double splash_of(const Scene& scene, const Flow& flow) {
   return wild * std::min(1.0, kSplashShare * flow.energy / (scene.fluid.gravity.norm() * flow.depth));
 }
 
-Flow flow_of(const Scene& scene, const FluidParticlesAtStart& start, double particles,
-             const std::vector<TriangleSurface>& walls) {
+/// particles: all that there will be.
+Flow flow_of(const PreparedScene& prepared, double particles) {
+  const Scene& scene = prepared.scene;
+  const FluidParticlesAtStart& start = prepared.start;
   Flow flow;
+  flow.block_area = prepared.block_area;
   double highest = -INFINITY;
   for (std::size_t i = 0; i < start.position.size(); ++i) {
     flow.fastest_start = std::max(flow.fastest_start, start.velocity[i].norm());
@@ -188,7 +178,7 @@ Flow flow_of(const Scene& scene, const FluidParticlesAtStart& start, double part
     flow.fastest_start = std::max(flow.fastest_start, emitter.speed);
     highest = std::max(highest, potential(scene, emitter.position));
   }
-  const Floor floor = lowest_floor(scene, walls);
+  const Floor floor = lowest_floor(scene, prepared.walls);
   flow.fastest = INFINITY;
   if (!(floor.area > 0)) return flow;
   flow.floor = floor.potential;
@@ -242,9 +232,7 @@ double cell_area(const Scene& scene) {
 }
 
 double smooth_vertices(double time, const Scene& scene, const Flow& flow) {
-  double total = 0;
-  for (const FluidBlock& block : scene.blocks)
-    total += std::visit([](const auto& shape) { return area(shape); }, block.shape);
+  double total = flow.block_area;
   for (const Emitter& emitter : scene.fluid.emitters) total += stream_area(emitter, time, scene, flow);
   return kVerticesPerCell * total / cell_area(scene);
 }
@@ -285,7 +273,7 @@ double tracker_seconds_per_vertex(const Scene& scene) {
   double total = 0;
   for (const std::string& method : scene.surface.methods)
     total += stages(tracker.integrator) * velocity_seconds(scene, method) + fairing +
-             (scene.surface.remesh ? kSecondsPerMending : 0);
+             (scene.surface.remesh ? kSecondsPerRemeshing : 0);
   return total;
 }
 
@@ -351,18 +339,17 @@ std::size_t whole_count(double number) {
 
 }  // namespace
 
-SceneEstimate estimate(const Scene& scene, int threads) {
-  const std::vector<TriangleSurface> walls = wall_surfaces(scene);
-  const FluidParticlesAtStart start = fill_blocks(scene);
+SceneEstimate estimate(const PreparedScene& prepared, int threads) {
+  const Scene& scene = prepared.scene;
   double wall_area = 0;
-  for (const TriangleSurface& wall : walls) wall_area += area_and_volume(wall.vertices, wall.triangles).area;
-  const double particles = particles_at(scene.duration, scene, start);
+  for (const SolidWall& wall : prepared.walls) wall_area += surface_area(wall.surface());
+  const double particles = particles_at(scene.duration, scene, prepared.start);
   const double boundary = kBoundaryParticlesPerCell * wall_area / (scene.fluid.spacing * scene.fluid.spacing);
   SceneEstimate result;
-  result.particles = start.position.size();
-  result.emitted = whole_count(particles - static_cast<double>(start.position.size()));
+  result.particles = prepared.start.position.size();
+  result.emitted = whole_count(particles - static_cast<double>(result.particles));
   result.boundary_particles = whole_count(std::round(boundary));
-  add_work(scene, start, flow_of(scene, start, particles, walls), threads, result);
+  add_work(scene, prepared.start, flow_of(prepared, particles), threads, result);
   result.memory_bytes = whole_count(memory(scene, particles, boundary, result.vertices));
   return result;
 }

@@ -1,12 +1,11 @@
-// The walls and the particles with which a scene starts.
+#include "scenes/fill.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 
 #include "core/cell_grid.h"
-#include "scenes/mesh_file.h"
 #include "scenes/shapes.h"
-#include "scenes/wall_distance.h"
 #include "solver/emitter.h"
 
 namespace kappaflow {
@@ -24,16 +23,17 @@ constexpr double kBlockClearance = 0.9;
 constexpr double kFarthest = 1e5;
 
 /// What shapes.h takes: a mesh's surface from its file, the other shapes as they are.
-const BoxShape& solid_of(const BoxShape& box, const SourcePosition&) {
+const BoxShape& solid_of(const BoxShape& box, const SourcePosition&, MeshFiles&) {
   return box;
 }
-const SphereShape& solid_of(const SphereShape& sphere, const SourcePosition&) {
+const SphereShape& solid_of(const SphereShape& sphere, const SourcePosition&, MeshFiles&) {
   return sphere;
 }
-TriangleSurface solid_of(const MeshShape& mesh, const SourcePosition& where) {
-  return mesh_surface(mesh, where);
+TriangleSurface solid_of(const MeshShape& mesh, const SourcePosition& where, MeshFiles& meshes) {
+  return meshes.surface(mesh, where);
 }
 
+/// The lattice of one block. Throws InvalidInput where it is empty, too large or too far out.
 template <class Solid>
 std::vector<Vec3> checked_lattice(const FluidBlock& block, const Solid& solid, double spacing,
                                   std::size_t particles_before) {
@@ -60,7 +60,7 @@ std::vector<Vec3> checked_lattice(const FluidBlock& block, const Solid& solid, d
 }
 
 /// 1 for every point that may become a particle.
-std::vector<char> free_points(std::span<const Vec3> points, const WallDistance& walls,
+std::vector<char> free_points(std::span<const Vec3> points, std::span<const SolidWall> walls,
                               std::span<const Vec3> taken, double spacing) {
   CellGrid grid;
   const double clearance = kBlockClearance * spacing;
@@ -68,7 +68,7 @@ std::vector<char> free_points(std::span<const Vec3> points, const WallDistance& 
   std::vector<char> is_free(points.size());
   parallel_for(points.size(), [&](std::size_t i) {
     const Vec3& x = points[i];
-    bool crowded = walls.depth(x) > -kWallClearance * spacing;
+    bool crowded = nearest_of_walls(walls, x).distance < kWallClearance * spacing;
     grid.ranges_near(x, clearance, [&](std::uint32_t begin, std::uint32_t end) {
       for (std::uint32_t k = begin; k < end; ++k)
         crowded = crowded || (taken[grid.order()[k]] - x).squaredNorm() < clearance * clearance;
@@ -78,28 +78,22 @@ std::vector<char> free_points(std::span<const Vec3> points, const WallDistance& 
   return is_free;
 }
 
-TriangleSurface wall_surface(const BoxShape& box, const SourcePosition&) {
-  return box_surface(box);
-}
-TriangleSurface wall_surface(const SphereShape& sphere, const SourcePosition&) {
-  return sphere_surface(sphere);
-}
-TriangleSurface wall_surface(const CylinderShape& cylinder, const SourcePosition&) {
-  return cylinder_surface(cylinder);
-}
-TriangleSurface wall_surface(const BasinShape& basin, const SourcePosition&) {
-  return basin_surface(basin);
-}
-TriangleSurface wall_surface(const StairsShape& stairs, const SourcePosition&) {
-  return stairs_surface(stairs);
-}
-TriangleSurface wall_surface(const MeshShape& mesh, const SourcePosition& where) {
-  return mesh_surface(mesh, where);
+/// Appends the particles of a block; returns whether there were any.
+bool add_free_points(std::span<const Vec3> points, const FluidBlock& block, int number, double spacing,
+                     std::span<const SolidWall> walls, FluidParticlesAtStart& particles) {
+  const std::vector<char> is_free = free_points(points, walls, particles.position, spacing);
+  const std::size_t before = particles.position.size();
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (is_free[i]) particles.position.push_back(points[i]);
+  particles.velocity.resize(particles.position.size(), block.velocity);
+  particles.fluid.resize(particles.position.size(), block.fluid);
+  particles.source.resize(particles.position.size(), number);
+  return particles.position.size() > before;
 }
 
-/// Throws InvalidInput where a particle in the nozzle would be in a wall or in the liquid of a block, too far
-/// out, or where the emitters make too many.
-void check_nozzle(const Scene& scene, std::size_t index, const WallDistance& walls,
+/// Throws InvalidInput where a particle in the nozzle would be in a wall or in the liquid of a block, or too
+/// far out.
+void check_nozzle(const Scene& scene, std::size_t index, std::span<const SolidWall> walls,
                   std::span<const Vec3> blocks) {
   const Emitter& emitter = scene.fluid.emitters[index];
   const SourcePosition& where = scene.emitters_where[index];
@@ -145,56 +139,29 @@ double emitted_particles(const Emitter& emitter, const Scene& scene) {
   return static_cast<double>(layer) * emitted_layers(emitter, scene.fluid.spacing, layer, scene.duration);
 }
 
-std::vector<TriangleSurface> wall_surfaces(const Scene& scene) {
-  std::vector<TriangleSurface> surfaces;
-  for (const Wall& wall : scene.walls)
-    surfaces.push_back(
-        std::visit([&](const auto& shape) { return wall_surface(shape, wall.where); }, wall.shape));
-  return surfaces;
-}
-
-std::vector<BodyMotion> wall_motions(const Scene& scene) {
-  std::vector<BodyMotion> motions;
-  for (const Wall& wall : scene.walls) motions.push_back(wall.motion);
-  if (std::ranges::all_of(motions, &BodyMotion::at_rest)) motions.clear();
-  return motions;
-}
-
-std::vector<TriangleSurface> walls_at(double time, std::vector<TriangleSurface> walls,
-                                      std::span<const BodyMotion> motions) {
-  for (std::size_t w = 0; w < motions.size(); ++w)
-    if (!motions[w].at_rest()) walls[w] = moved(std::move(walls[w]), motions[w].pose(time));
-  return walls;
-}
-
-FluidParticlesAtStart fill_blocks(const Scene& scene) {
+FilledBlocks fill_blocks(const Scene& scene, std::span<const SolidWall> walls, MeshFiles& meshes) {
   const double spacing = scene.fluid.spacing;
-  const WallDistance walls(wall_surfaces(scene));
-  FluidParticlesAtStart particles;
+  FilledBlocks filled;
   for (std::size_t b = 0; b < scene.blocks.size(); ++b) {
     const FluidBlock& block = scene.blocks[b];
-    const std::vector<Vec3> points = std::visit(
-        [&](const auto& shape) {
-          return checked_lattice(block, solid_of(shape, block.where), spacing, particles.position.size());
-        },
-        block.shape);
-    const std::vector<char> is_free = free_points(points, walls, particles.position, spacing);
-    const std::size_t before = particles.position.size();
-    for (std::size_t i = 0; i < points.size(); ++i)
-      if (is_free[i]) particles.position.push_back(points[i]);
-    if (particles.position.size() == before)
+    const auto lattice_of = [&](const auto& shape) {
+      const auto& solid = solid_of(shape, block.where, meshes);
+      filled.area += surface_area(solid);
+      return checked_lattice(block, solid, spacing, filled.particles.position.size());
+    };
+    const std::vector<Vec3> points = std::visit(lattice_of, block.shape);
+    if (!add_free_points(points, block, static_cast<int>(b), spacing, walls, filled.particles))
       throw InvalidInput(
           block.where,
           "no particle of the block is free: all lie in a wall, within half a spacing of one, or "
           "in an earlier block; allowed: a block with room for one particle");
-    particles.velocity.resize(particles.position.size(), block.velocity);
-    particles.fluid.resize(particles.position.size(), block.fluid);
-    particles.source.resize(particles.position.size(), static_cast<int>(b));
   }
-  for (std::size_t e = 0; e < scene.fluid.emitters.size(); ++e)
-    check_nozzle(scene, e, walls, particles.position);
-  check_emitted(scene, particles.position.size());
-  return particles;
+  return filled;
+}
+
+void check_emitters(const Scene& scene, std::span<const SolidWall> walls, std::span<const Vec3> filled) {
+  for (std::size_t e = 0; e < scene.fluid.emitters.size(); ++e) check_nozzle(scene, e, walls, filled);
+  check_emitted(scene, filled.size());
 }
 
 }  // namespace kappaflow

@@ -24,19 +24,6 @@ namespace {
 /// Twice the area of a triangle over the square of its longest edge below which it has no usable normal.
 constexpr double kDegenerate = 1e-9;
 
-PolygonMesh parse(const std::filesystem::path& file) {
-  const std::string ending = lower_case(file.extension().string());
-  const auto parser = ending == ".stl"   ? parse_stl
-                      : ending == ".obj" ? parse_obj
-                      : ending == ".ply" ? parse_ply
-                                         : nullptr;
-  if (!parser) throw InvalidInput("has none of the known endings");
-  std::error_code ignored;  // a file that cannot be examined is not a regular one
-  if (!std::filesystem::is_regular_file(file, ignored))
-    throw InvalidInput("is not there, or no regular file");
-  return parser(read_file(file));
-}
-
 /// For every point the first one with the same coordinates, which must be finite.
 std::vector<int> first_equal_points(const std::vector<Vec3>& points) {
   std::vector<int> order(points.size()), first(points.size());
@@ -109,8 +96,8 @@ void check_areas(const TriangleSurface& surface) {
   }
 }
 
-TriangleSurface closed_surface(const std::filesystem::path& file) {
-  TriangleSurface surface = triangle_surface(parse(file));
+TriangleSurface closed_surface(PolygonMesh mesh) {
+  TriangleSurface surface = triangle_surface(std::move(mesh));
   if (surface.triangles.empty()) throw InvalidInput("has no triangles");
   check_areas(surface);
   mesh_topology(surface.vertices, surface.triangles);  // throws where it is not closed
@@ -123,16 +110,37 @@ TriangleSurface closed_surface(const std::filesystem::path& file) {
   return surface;
 }
 
+/// The format that the name says.
+auto parser_for(const std::filesystem::path& file) {
+  const std::string ending = lower_case(file.extension().string());
+  const auto parser = ending == ".stl"   ? parse_stl
+                      : ending == ".obj" ? parse_obj
+                      : ending == ".ply" ? parse_ply
+                                         : nullptr;
+  if (!parser) throw InvalidInput("has none of the known endings");
+  return parser;
+}
+
+ClosedMesh closed_mesh(const std::filesystem::path& file) {
+  const auto parse = parser_for(file);
+  std::error_code ignored;  // a file that cannot be examined is not a regular one
+  if (!std::filesystem::is_regular_file(file, ignored))
+    throw InvalidInput("is not there, or no regular file");
+  ClosedMesh mesh{read_file(file), {}};
+  mesh.surface = closed_surface(parse(mesh.bytes));
+  return mesh;
+}
+
 }  // namespace
 
-TriangleSurface read_closed_mesh(const std::filesystem::path& file, const SourcePosition& where) {
+ClosedMesh read_closed_mesh(const std::filesystem::path& file, const SourcePosition& where) {
   const auto located = [&](const std::string& found) {
     return InvalidInput(
         where, fmt::format("mesh \"{}\" {}; allowed: the closed surface of a solid as .stl, .obj or .ply",
                            file.string(), found));
   };
   try {
-    return closed_surface(file);
+    return closed_mesh(file);
   } catch (const IoError&) {
     throw located("cannot be read");
   } catch (const TopologyError& error) {
@@ -142,8 +150,14 @@ TriangleSurface read_closed_mesh(const std::filesystem::path& file, const Source
   }
 }
 
-TriangleSurface mesh_surface(const MeshShape& mesh, const SourcePosition& where) {
-  TriangleSurface surface = read_closed_mesh(mesh.file, where);
+const ClosedMesh& MeshFiles::read(const MeshShape& mesh, const SourcePosition& where) {
+  const auto found = known_.find(mesh.file);
+  if (found != known_.end()) return found->second;
+  return known_.emplace(mesh.file, read_closed_mesh(mesh.file, where)).first->second;
+}
+
+TriangleSurface MeshFiles::surface(const MeshShape& mesh, const SourcePosition& where) {
+  TriangleSurface surface = read(mesh, where).surface;
   for (Vec3& x : surface.vertices) x = mesh.scale * x + mesh.translation;
   return surface;
 }

@@ -1,7 +1,9 @@
-// Reading a solid from a mesh file.
+// Reading solids from mesh files.
 #pragma once
 
 #include <filesystem>
+#include <map>
+#include <string>
 
 #include "core/errors.h"
 #include "core/types.h"
@@ -10,14 +12,30 @@ namespace kappaflow {
 
 struct MeshShape;
 
+/// A file that was read.
+struct ClosedMesh {
+  std::string bytes;        ///< of the file
+  TriangleSurface surface;  ///< in the file's own units
+};
+
 /// The triangles of an .stl, .obj or .ply file in the file's own units, polygons cut into triangles, equal
 /// points merged; closed, and oriented outward whichever way the file has it; of pieces that may overlap: see
-/// solids_of(). Throws InvalidInput at `where` (the scene that names the file) when it cannot be read, has no
-/// triangles or degenerate ones, is not the consistently oriented boundary of a solid, or has pieces of which
-/// check_crossings() or solids_of() cannot tell inside from outside.
-TriangleSurface read_closed_mesh(const std::filesystem::path& file, const SourcePosition& where);
+/// solids_of(). With the bytes of the file. Throws InvalidInput at `where` (the scene that names the file)
+/// when it cannot be read, has no triangles or degenerate ones, is not the consistently oriented boundary of
+/// a solid, or has pieces of which check_crossings() or solids_of() cannot tell inside from outside.
+ClosedMesh read_closed_mesh(const std::filesystem::path& file, const SourcePosition& where);
 
-/// The same of a scene's mesh, scaled and moved to its place [m].
-TriangleSurface mesh_surface(const MeshShape& mesh, const SourcePosition& where);
+/// The mesh files of a scene, each read once however often the scene names it.
+class MeshFiles {
+ public:
+  /// What the mesh names, read where it has not been; throws as read_closed_mesh() does.
+  const ClosedMesh& read(const MeshShape& mesh, const SourcePosition& where);
+
+  /// Its surface, scaled and moved to its place [m].
+  TriangleSurface surface(const MeshShape& mesh, const SourcePosition& where);
+
+ private:
+  std::map<std::filesystem::path, ClosedMesh> known_;
+};
 
 }  // namespace kappaflow

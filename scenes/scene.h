@@ -99,54 +99,10 @@ struct Scene {
   OutputDescription output;
 };
 
-/// Reads and checks a scene, with the meshes that it names and the particles that it yields. Throws
+/// Reads a scene and checks what its text says; what its meshes and particles are, prepare() checks. Throws
 /// InvalidInput "file:line:column: found; allowed" for the first mistake.
 Scene load_scene(const std::filesystem::path& file);
 /// The same of a text that was read from `file`: errors name it, and meshes lie beside it.
 Scene parse_scene(const std::string& text, const std::filesystem::path& file);
-
-/// The particles of all blocks, in the order of the blocks and x-fastest within one. Boxes are filled from
-/// their lower corner, spheres symmetrically about their centre, meshes from the lower corner of their
-/// bounding box, with one particle per spacing^3; a box's particles lie half a spacing or more inside its
-/// faces, those of spheres and meshes anywhere inside. Left out are lattice points less than half a
-/// spacing from a wall or inside it, and those within 0.9 spacings of an earlier block's particle.
-struct FluidParticlesAtStart {
-  std::vector<Vec3> position;  ///< [m]
-  std::vector<Vec3> velocity;  ///< [m/s]
-  std::vector<std::uint8_t> fluid;
-  std::vector<int> source;  ///< the block's number; those of the emitters follow
-};
-/// Throws InvalidInput for a block without particles, too many particles (those of the emitters included),
-/// ones too far out for single precision, a mesh that is no solid, or an emitter whose nozzle is not free.
-FluidParticlesAtStart fill_blocks(const Scene& scene);
-
-/// How many particles an emitter makes until the scene's end, if no liquid comes into its nozzle.
-double emitted_particles(const Emitter& emitter, const Scene& scene);
-
-/// The walls as closed surfaces, oriented outward. Throws InvalidInput for a mesh that cannot be read, is
-/// empty, or is not the closed and consistently oriented boundary of a solid.
-std::vector<TriangleSurface> wall_surfaces(const Scene& scene);
-
-/// How they move, one motion a wall; empty when all are at rest.
-std::vector<BodyMotion> wall_motions(const Scene& scene);
-
-/// The walls of wall_surfaces() and wall_motions() where they are at `time` [s].
-std::vector<TriangleSurface> walls_at(double time, std::vector<TriangleSurface> walls,
-                                      std::span<const BodyMotion> motions);
-
-/// What a run of the scene is expected to need.
-struct SceneEstimate {
-  std::size_t particles = 0;           ///< of the liquid at the start, those in nozzles left out
-  std::size_t emitted = 0;             ///< by emitters until the end
-  std::size_t boundary_particles = 0;  ///< of the walls
-  std::size_t memory_bytes = 0;        ///< of the program at its peak, its libraries included
-  double steps = 0;                    ///< of the solver
-  double particle_steps = 0;           ///< sum over these of the particles
-  double vertices = 0;                 ///< of one surface, when it has the most
-  double seconds = 0;                  ///< wall time
-};
-/// threads: on which the run will be, >= 1. The models and their constants stand in estimate.cpp; seconds are
-/// good to a factor of about two.
-SceneEstimate estimate(const Scene& scene, int threads);
 
 }  // namespace kappaflow

@@ -368,7 +368,6 @@ Scene parse_scene(const std::string& text, const std::filesystem::path& file) {
   read_solver(std::move(solver), scene.fluid);
   read_surface(std::move(surface), scene.surface);
   read_output(std::move(output), scene.duration, scene.fluid.gravity, scene.output);
-  fill_blocks(scene);  // throws where the meshes or the particles are not what a run needs
   return scene;
 }
 

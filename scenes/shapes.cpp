@@ -7,6 +7,7 @@
 
 #include "core/parallel.h"
 #include "core/solids.h"
+#include "surface/mesh/mesh_measures.h"
 
 namespace kappaflow {
 namespace {
@@ -163,6 +164,19 @@ TriangleSurface stairs_surface(const StairsShape& stairs) {
   }
   profile.emplace_back(start, origin.y() + stairs.steps * stairs.rise);
   return prism(profile, origin.z() - stairs.width / 2, origin.z() + stairs.width / 2);
+}
+
+double surface_area(const BoxShape& box) {
+  const Vec3 d = box.upper - box.lower;
+  return 2 * (d.x() * d.y() + d.y() * d.z() + d.z() * d.x());
+}
+
+double surface_area(const SphereShape& sphere) {
+  return 4 * std::numbers::pi * sphere.radius * sphere.radius;
+}
+
+double surface_area(const TriangleSurface& surface) {
+  return area_and_volume(surface.vertices, surface.triangles).area;
 }
 
 double lattice_size(const BoxShape& box, double spacing) {

@@ -21,6 +21,11 @@ TriangleSurface basin_surface(const BasinShape& basin);
 /// Likewise, one solid for the whole flight. Requires steps >= 1 and every length > 0.
 TriangleSurface stairs_surface(const StairsShape& stairs);
 
+/// [m2]
+double surface_area(const BoxShape& box);
+double surface_area(const SphereShape& sphere);
+double surface_area(const TriangleSurface& surface);
+
 /// An upper bound of the number of lattice points of the shape, as a number that cannot overflow.
 double lattice_size(const BoxShape& box, double spacing);
 double lattice_size(const SphereShape& sphere, double spacing);

@@ -12,7 +12,6 @@
 #include "core/cell_grid.h"
 #include "core/errors.h"
 #include "core/parallel.h"
-#include "core/solids.h"
 #include "core/split_mix.h"
 
 namespace kappaflow {
@@ -32,12 +31,13 @@ struct Candidates {
 };
 
 /// Throws InvalidInput for walls with more candidates than can be told apart.
-void check_number_of_candidates(std::span<const TriangleSurface> walls, double step) {
+void check_number_of_candidates(std::span<const SolidWall> walls, double step) {
   constexpr double kMost = std::numeric_limits<std::uint32_t>::max();
   double candidates = 0;
-  for (const TriangleSurface& wall : walls)
-    for (const auto& [i, j, k] : wall.triangles) {
-      const Vec3 &a = wall.vertices[i], &b = wall.vertices[j], &c = wall.vertices[k];
+  for (const SolidWall& wall : walls)
+    for (const auto& [i, j, k] : wall.surface().triangles) {
+      const std::vector<Vec3>& vertices = wall.surface().vertices;
+      const Vec3 &a = vertices[i], &b = vertices[j], &c = vertices[k];
       const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()}),
                    height =
                        (b - a).cross(c - a).norm() / std::max(longest, std::numeric_limits<double>::min());
@@ -75,23 +75,20 @@ void append_rows(Vec3 a, Vec3 b, Vec3 c, double depth, double step, Candidates& 
 }
 
 /// The boxes of all solids, wider by `margin`.
-std::vector<Eigen::AlignedBox3d> boxes_of_solids(std::span<const TriangleSurface> walls, double margin) {
+std::vector<Eigen::AlignedBox3d> boxes_of_solids(std::span<const SolidWall> walls, double margin) {
   std::vector<Eigen::AlignedBox3d> boxes;
-  for (const TriangleSurface& wall : walls)
-    for (const TriangleSurface& solid : solids_of(wall)) {
-      Eigen::AlignedBox3d& box = boxes.emplace_back();
-      for (const Vec3& x : solid.vertices) box.extend(x);
-      box = {box.min() - Vec3::Constant(margin), box.max() + Vec3::Constant(margin)};
-    }
+  for (const SolidWall& wall : walls)
+    for (const Eigen::AlignedBox3d& box : wall.boxes())
+      boxes.emplace_back(box.min() - Vec3::Constant(margin), box.max() + Vec3::Constant(margin));
   return boxes;
 }
 
 /// Whether a point of a solid's surface is inside another solid, where no liquid touches it. boxes: a quick
 /// answer for most.
-bool is_covered(std::span<const SolidDistance> solids, std::span<const Eigen::AlignedBox3d> boxes,
-                const Vec3& x, double depth) {
+bool is_covered(std::span<const SolidWall> walls, std::span<const Eigen::AlignedBox3d> boxes, const Vec3& x,
+                double depth) {
   if (std::ranges::count_if(boxes, [&](const auto& box) { return box.contains(x); }) < 2) return false;
-  return nearest_of_union(solids, x).distance < -1e-3 * depth;
+  return nearest_of_walls(walls, x).distance < -1e-3 * depth;
 }
 
 /// Whether a candidate is `depth` deep in the union, of which `nearest` is the nearest point: those below a
@@ -107,8 +104,8 @@ bool is_at_depth(const SurfacePoint& nearest, const Vec3& normal, double depth) 
 }
 
 /// Removes the candidates that are not `depth` deep.
-void keep_at_depth(Candidates& candidates, std::span<const SolidDistance> solids,
-                   std::span<const Eigen::AlignedBox3d> boxes, double depth) {
+void keep_at_depth(Candidates& candidates, std::span<const SolidWall> walls, double depth) {
+  const std::vector<Eigen::AlignedBox3d> boxes = boxes_of_solids(walls, 1e-3 * depth);
   std::vector<SurfacePoint> nearest;
   std::vector<char> covered;
   std::size_t kept = 0;
@@ -117,8 +114,8 @@ void keep_at_depth(Candidates& candidates, std::span<const SolidDistance> solids
     covered.resize(nearest.size());
     parallel_for(nearest.size(), [&](std::size_t i) {
       const Vec3& x = candidates.position[begin + i];
-      nearest[i] = nearest_of_union(solids, x);
-      covered[i] = is_covered(solids, boxes, x + depth * candidates.normal_of(begin + i), depth);
+      nearest[i] = nearest_of_walls(walls, x);
+      covered[i] = is_covered(walls, boxes, x + depth * candidates.normal_of(begin + i), depth);
     });
     for (std::size_t i = 0; i < nearest.size(); ++i) {
       if (covered[i] || !is_at_depth(nearest[i], candidates.normal_of(begin + i), depth)) continue;
@@ -166,15 +163,16 @@ std::vector<WallSample> poisson_disk_subset(const Candidates& candidates, double
 
 }  // namespace
 
-std::vector<WallSample> sample_walls(std::span<const TriangleSurface> walls,
-                                     std::span<const SolidDistance> solids, double spacing) {
+std::vector<WallSample> sample_walls(std::span<const SolidWall> walls, double spacing) {
   const double depth = kWallDepth * spacing, step = kCandidateDistance * spacing;
   check_number_of_candidates(walls, step);
   Candidates candidates;
-  for (const TriangleSurface& wall : walls)
-    for (const Triangle& t : wall.triangles)
-      append_rows(wall.vertices[t[0]], wall.vertices[t[1]], wall.vertices[t[2]], depth, step, candidates);
-  keep_at_depth(candidates, solids, boxes_of_solids(walls, 1e-3 * depth), depth);
+  for (const SolidWall& wall : walls)
+    for (const auto& [i, j, k] : wall.surface().triangles) {
+      const std::vector<Vec3>& vertices = wall.surface().vertices;
+      append_rows(vertices[i], vertices[j], vertices[k], depth, step, candidates);
+    }
+  keep_at_depth(candidates, walls, depth);
   return poisson_disk_subset(candidates, kMinDistance * spacing);
 }
 

@@ -4,8 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "core/solid_distance.h"
-#include "core/types.h"
+#include "core/solid_wall.h"
 
 namespace kappaflow {
 
@@ -26,12 +25,11 @@ inline bool opposite(const Vec3& normal, const Vec3& other) {
 }
 
 /// Particles kWallDepth below the surface of the union of the solids: liquid then rests about half a spacing
-/// off the wall. A Poisson-disk set (dart throwing in a fixed pseudo-random
-/// order): no two under the same side are nearer than 0.6 spacing, and no place of the layer is further than
-/// about that from one. Faces that another solid covers get none. walls: the surfaces of the solids. Throws
+/// off the wall. A Poisson-disk set (dart throwing in a fixed pseudo-random order): no two under the same
+/// side are nearer than 0.6 spacing, and no place of the layer is further than about that from one. Faces
+/// that another solid covers get none. walls: where they are at t = 0, whatever their motions. Throws
 /// InvalidInput where a wall is thinner than kThinnestWall, or for walls so large that the places where a
 /// particle may lie cannot be counted in 32 bits.
-std::vector<WallSample> sample_walls(std::span<const TriangleSurface> walls,
-                                     std::span<const SolidDistance> solids, double spacing);
+std::vector<WallSample> sample_walls(std::span<const SolidWall> walls, double spacing);
 
 }  // namespace kappaflow

@@ -9,7 +9,6 @@
 #include "core/errors.h"
 #include "core/parallel.h"
 #include "core/saved_state.h"
-#include "core/solids.h"
 #include "core/stopwatch.h"
 #include "solver/boundary.h"
 #include "solver/boundary_sampling.h"
@@ -82,22 +81,19 @@ double mean_compression(const FluidParticles& particles) {
 }
 
 /// One body for each motion.
-std::vector<WallBody> wall_bodies(std::span<const TriangleSurface> walls, std::span<const BodyMotion> motions,
-                                  double spacing) {
-  if (!motions.empty() && motions.size() != walls.size())
-    throw InvalidInput(fmt::format("fluid: {} walls but {} motions", walls.size(), motions.size()));
+std::vector<WallBody> wall_bodies(std::span<const SolidWall> walls, double spacing) {
   std::vector<WallBody> bodies;
   std::vector<char> done(walls.size(), 0);
   for (std::size_t first = 0; first < walls.size(); ++first) {
     if (done[first]) continue;
-    const BodyMotion motion = motions.empty() ? BodyMotion() : motions[first];
-    std::vector<TriangleSurface> group;
+    const BodyMotion& motion = walls[first].motion();
+    std::vector<SolidWall> group;
     for (std::size_t w = first; w < walls.size(); ++w)
-      if (motions.empty() || motions[w] == motion) {
+      if (walls[w].motion() == motion) {
         group.push_back(walls[w]);
         done[w] = 1;
       }
-    bodies.push_back({sample_walls(group, solid_distances(group), spacing), motion});
+    bodies.push_back({sample_walls(group, spacing), motion});
   }
   return bodies;
 }
@@ -143,13 +139,12 @@ struct FluidSolver::State {
 };
 
 FluidSolver::FluidSolver(const FluidOptions& options, std::span<const Vec3> position,
-                         std::span<const Vec3> velocity, std::span<const TriangleSurface> walls,
-                         std::span<const BodyMotion> motions, std::span<const std::uint8_t> fluid,
-                         std::span<const int> source) {
+                         std::span<const Vec3> velocity, std::span<const SolidWall> walls,
+                         std::span<const std::uint8_t> fluid, std::span<const int> source) {
   check_options(options);
-  check_start(position, velocity, fluid, 1 + options.more_viscosities.size(), source, solid_distances(walls));
+  check_start(position, velocity, fluid, 1 + options.more_viscosities.size(), source, walls);
   state_ = std::make_unique<State>(
-      options, Walls(wall_bodies(walls, motions, options.spacing), static_cast<float>(options.spacing)));
+      options, Walls(wall_bodies(walls, options.spacing), static_cast<float>(options.spacing)));
   state_->particles = particles_at_start(position, velocity, fluid, source);
   state_->emitters.emit(state_->particles, 0);
   if (size() == 0) throw InvalidInput("fluid: there are no particles at the start");

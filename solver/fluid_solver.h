@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "core/body_motion.h"
 #include "core/particles.h"
+#include "core/solid_wall.h"
 #include "core/types.h"
 #include "solver/options.h"
 
@@ -47,15 +47,14 @@ struct SolverMemory {
 class FluidSolver {
  public:
   /// position, velocity: one entry a particle; ids are 0, 1, ... in this order, and go on in the order in
-  /// which emitters make particles. walls: closed, oriented outward from the solid, where they are at t = 0.
-  /// motions: of the walls, one each; empty: all at rest. Walls with different motions are solids of their
-  /// own: where they meet liquid they should not overlap. Particles that start compressed are moved apart.
+  /// which emitters make particles. Walls with different motions are solids of their own: where they meet
+  /// liquid they should not overlap. Particles that start compressed are moved apart.
   /// fluid: which of the fluids each particle is of; empty: all of fluid 0. source: numbers of the caller's
   /// that stay with the particles; empty: all 0. Throws InvalidInput for options out of range, particles
   /// inside a wall, or when there is no particle at t = 0.
   FluidSolver(const FluidOptions& options, std::span<const Vec3> position, std::span<const Vec3> velocity,
-              std::span<const TriangleSurface> walls, std::span<const BodyMotion> motions = {},
-              std::span<const std::uint8_t> fluid = {}, std::span<const int> source = {});
+              std::span<const SolidWall> walls, std::span<const std::uint8_t> fluid = {},
+              std::span<const int> source = {});
   ~FluidSolver();
   FluidSolver(FluidSolver&&) noexcept;
   FluidSolver& operator=(FluidSolver&&) noexcept;

@@ -60,7 +60,7 @@ void check_options(const FluidOptions& o) {
 
 void check_start(std::span<const Vec3> position, std::span<const Vec3> velocity,
                  std::span<const std::uint8_t> fluid, std::size_t fluids, std::span<const int> source,
-                 std::span<const SolidDistance> solids) {
+                 std::span<const SolidWall> walls) {
   require_fluid(position.size() == velocity.size(),
                 fmt::format("{} positions but {} velocities", position.size(), velocity.size()));
   require_fluid(fluid.empty() || fluid.size() == position.size(),
@@ -74,7 +74,7 @@ void check_start(std::span<const Vec3> position, std::span<const Vec3> velocity,
     require_fluid(x.allFinite() && velocity[i].allFinite(),
                   fmt::format("the position or velocity of particle {} is not finite", i));
     require_fluid(
-        nearest_of_union(solids, x).distance >= 0,
+        nearest_of_walls(walls, x).distance >= 0,
         fmt::format("particle {} at ({:.6g}, {:.6g}, {:.6g}) is inside a wall", i, x.x(), x.y(), x.z()));
   }
 }

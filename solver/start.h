@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "core/solid_distance.h"
+#include "core/solid_wall.h"
 #include "solver/fluid_particles.h"
 #include "solver/options.h"
 
@@ -15,10 +15,10 @@ namespace kappaflow {
 void check_options(const FluidOptions& options);
 
 /// Throws InvalidInput for arrays of different length, a number that is not finite, a particle inside one of
-/// the solids, or a fluid that is not one of the `fluids`.
+/// the walls, or a fluid that is not one of the `fluids`.
 void check_start(std::span<const Vec3> position, std::span<const Vec3> velocity,
                  std::span<const std::uint8_t> fluid, std::size_t fluids, std::span<const int> source,
-                 std::span<const SolidDistance> solids);
+                 std::span<const SolidWall> walls);
 
 /// Particles in the given order, ids 0, 1, ...; pressures zero. fluid, source: empty where all are 0.
 FluidParticles particles_at_start(std::span<const Vec3> position, std::span<const Vec3> velocity,

@@ -62,8 +62,7 @@ struct Phases : Slab {
   }
 
   std::vector<WallBody> bodies() const {
-    const std::vector<SolidDistance> solids{SolidDistance(wall)};
-    return {{sample_walls(std::span(&wall, 1), solids, kSpacing), {}}};
+    return {{sample_walls(solid_walls(std::span(&wall, 1)), kSpacing), {}}};
   }
   void find() {
     search.find(particles, lists);
@@ -135,7 +134,7 @@ void pressure_iteration(benchmark::State& state) {
 
 void whole_step(benchmark::State& state) {
   const Slab slab(count(state));
-  FluidSolver solver(slab.options, slab.position, slab.velocity, std::span(&slab.wall, 1));
+  FluidSolver solver(slab.options, slab.position, slab.velocity, solid_walls(std::span(&slab.wall, 1)));
   for (int k = 0; k < 20; ++k) solver.step(10);
   measure(state, [&] { return solver.step(10), 1; });
 }

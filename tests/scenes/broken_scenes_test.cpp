@@ -4,6 +4,7 @@
 
 #include <random>
 
+#include "scenes/estimate.h"
 #include "tests/scenes/scene_files.h"
 
 namespace kappaflow {
@@ -68,7 +69,7 @@ TEST(GoodScenes, SmallestOneLoadsWithDefaults) {
   const Scene scene = load_scene(temporary_file("smallest.toml", kSmallest));
   EXPECT_EQ(scene.title, "smallest");
   EXPECT_EQ(scene.text, kSmallest);
-  EXPECT_EQ(fill_blocks(scene).position.size(), 8u);
+  EXPECT_EQ(prepare(scene).start.position.size(), 8u);
   EXPECT_EQ(scene.fluid.density, FluidOptions().density);
   EXPECT_EQ(scene.fluid.gravity, FluidOptions().gravity);
   EXPECT_EQ(scene.surface.tracker.fairing.iterations, FairingOptions().iterations);
@@ -99,7 +100,7 @@ TEST(GoodScenes, EmitterAloneIsAScene) {
   const Scene scene = load_scene(temporary_file("emitter.toml", text));
   ASSERT_EQ(scene.fluid.emitters.size(), 1u);
   EXPECT_EQ(scene.fluid.emitters[0].end, 0.5);
-  const SceneEstimate cost = estimate(scene, 1);
+  const SceneEstimate cost = estimate(prepare(scene), 1);
   EXPECT_EQ(cost.particles, 0u);
   EXPECT_EQ(cost.emitted, 8u * 15);  // 1.5 m of stream
 }
@@ -170,18 +171,19 @@ TEST(GoodScenes, EveryKeyArrives) {
 }
 
 TEST(GoodScenes, MotionsOfWallsArrive) {
-  const Scene scene = load_scene(source_file("tests/data/every_key.toml"));
-  const std::vector<BodyMotion> motions = wall_motions(scene);
-  ASSERT_EQ(motions.size(), scene.walls.size());
-  const BodyMotion& motion = motions[4];
+  const PreparedScene prepared = prepare(load_scene(source_file("tests/data/every_key.toml")));
+  const std::vector<SolidWall>& walls = prepared.walls;
+  ASSERT_EQ(walls.size(), prepared.scene.walls.size());
+  const BodyMotion& motion = walls[4].motion();
   EXPECT_EQ(motion.axis, Vec3(0, 0, 1));
   EXPECT_EQ(motion.point, Vec3(1, 2, 3));
   ASSERT_EQ(motion.keys.size(), 2u);
   EXPECT_EQ(motion.keys[0], (BodyMotion::Key{0, Vec3(1, 2, 3), -4}));
   EXPECT_EQ(motion.keys[1], (BodyMotion::Key{0.5, Vec3(0, 0, 0), 5}));
-  const auto walls = wall_surfaces(scene), moved = walls_at(0.5, walls, motions);
-  EXPECT_EQ(moved[3].vertices, walls[3].vertices);
-  EXPECT_EQ(moved[4].vertices[0], motion.pose(0.5) * walls[4].vertices[0]);
+  EXPECT_TRUE(any_moves(walls));
+  const auto before = surfaces_of(walls), moved = surfaces_of(walls_at(0.5, walls));
+  EXPECT_EQ(moved[3].vertices, before[3].vertices);
+  EXPECT_EQ(moved[4].vertices[0], motion.pose(0.5) * before[4].vertices[0]);
 }
 
 TEST(GoodScenes, EverySurfaceAndOutputKeyArrives) {

@@ -1,9 +1,15 @@
+#include "scenes/estimate.h"
+
 #include <gtest/gtest.h>
 
 #include "tests/scenes/scene_files.h"
 
 namespace kappaflow {
 namespace {
+
+SceneEstimate estimate_of(const Scene& scene, int threads) {
+  return estimate(prepare(scene), threads);
+}
 
 Scene tank(double spacing) {
   Scene scene;
@@ -15,16 +21,16 @@ Scene tank(double spacing) {
 }
 
 TEST(Estimate, CountsParticles) {
-  const SceneEstimate result = estimate(tank(0.1), 1);
+  const SceneEstimate result = estimate_of(tank(0.1), 1);
   EXPECT_EQ(result.particles, 1000u);
   EXPECT_EQ(result.boundary_particles, 5700u);  // 30 m2 of wall, 1.9 per spacing^2
 }
 
 TEST(Estimate, MemoryGrowsWithTheParticles) {
-  const double program = static_cast<double>(estimate(tank(0.5), 1).memory_bytes);  // eight particles
+  const double program = static_cast<double>(estimate_of(tank(0.5), 1).memory_bytes);  // eight particles
   EXPECT_LT(program, 5e7);
   const auto arrays = [&](double spacing) {
-    return static_cast<double>(estimate(tank(spacing), 1).memory_bytes) - program;
+    return static_cast<double>(estimate_of(tank(spacing), 1).memory_bytes) - program;
   };
   EXPECT_GT(arrays(0.1), 1000 * 300);              // the solver alone
   EXPECT_NEAR(arrays(0.05) / arrays(0.1), 4, 1);   // sampling the walls, while these are most of it
@@ -34,23 +40,23 @@ TEST(Estimate, MemoryGrowsWithTheParticles) {
 
 TEST(Estimate, TimeFollowsDurationMethodsStepsAndThreads) {
   const Scene scene = tank(0.05);
-  const double seconds = estimate(scene, 1).seconds;
+  const double seconds = estimate_of(scene, 1).seconds;
   EXPECT_GT(seconds, 0);
   Scene longer = scene, unfollowed = scene, slower = scene;
   longer.duration = 10;
-  EXPECT_GT(estimate(longer, 1).seconds, 9 * seconds);
+  EXPECT_GT(estimate_of(longer, 1).seconds, 9 * seconds);
   unfollowed.surface.methods.clear();
-  EXPECT_LT(estimate(unfollowed, 1).seconds, seconds);
+  EXPECT_LT(estimate_of(unfollowed, 1).seconds, seconds);
   slower.fluid.max_time_step /= 10;
-  EXPECT_GT(estimate(slower, 1).seconds, 2 * seconds);
-  EXPECT_LT(estimate(scene, 2).seconds, seconds);
-  EXPECT_GT(estimate(scene, 2).seconds, seconds / 2);
+  EXPECT_GT(estimate_of(slower, 1).seconds, 2 * seconds);
+  EXPECT_LT(estimate_of(scene, 2).seconds, seconds);
+  EXPECT_GT(estimate_of(scene, 2).seconds, seconds / 2);
 }
 
 TEST(Estimate, OfWallsBeyondAllMeasureIsTooMuch) {
   Scene scene = tank(0.1);
   add_wall(scene, BoxShape{Vec3::Constant(-1e20), Vec3(1e20, -2, 1e20)});
-  const SceneEstimate result = estimate(scene, 1);
+  const SceneEstimate result = estimate_of(scene, 1);
   EXPECT_EQ(result.boundary_particles, std::size_t{1} << 53);
   EXPECT_EQ(result.memory_bytes, std::size_t{1} << 53);
 }
@@ -59,7 +65,7 @@ TEST(Estimate, WithoutWallsOrGravityStaysFinite) {
   Scene scene = tank(0.1);
   scene.walls.clear();
   scene.fluid.gravity = Vec3::Zero();
-  EXPECT_TRUE(std::isfinite(estimate(scene, 1).seconds));
+  EXPECT_TRUE(std::isfinite(estimate_of(scene, 1).seconds));
 }
 
 // A stream that piles up and folds.
@@ -134,7 +140,7 @@ TEST(Estimate, IsWithinAFactorOfTwoOfWhatRunsTook) {
         Recorded{"pour", parse_scene(kPour, "pour.toml"), 515, 3033, 18},
         Recorded{"drop", parse_scene(kDropIntoAPool, "drop.toml"), 152, 7051, 14}}) {
     SCOPED_TRACE(name);
-    const SceneEstimate result = estimate(scene, 1);
+    const SceneEstimate result = estimate_of(scene, 1);
     expect_within_a_factor_of_two(result.steps, steps, "steps");
     expect_within_a_factor_of_two(result.vertices, vertices, "vertices");
     expect_within_a_factor_of_two(result.seconds, seconds, "seconds");
@@ -143,22 +149,22 @@ TEST(Estimate, IsWithinAFactorOfTwoOfWhatRunsTook) {
 
 TEST(Estimate, CountsWhatEmittersMakeFromTheirStartOn) {
   Scene scene = parse_scene(kPour, "pour.toml");
-  const double steady = estimate(scene, 1).particle_steps / estimate(scene, 1).steps;
+  const double steady = estimate_of(scene, 1).particle_steps / estimate_of(scene, 1).steps;
   EXPECT_NEAR(steady, 1312 / 2.0, 150) << "half of those at the end, in the mean";
   scene.fluid.emitters[0].end = 0.2;
-  EXPECT_NEAR(estimate(scene, 1).particle_steps / estimate(scene, 1).steps, 1312 / 4.0 * 7 / 8, 60);
+  EXPECT_NEAR(estimate_of(scene, 1).particle_steps / estimate_of(scene, 1).steps, 1312 / 4.0 * 7 / 8, 60);
 }
 
 // The same column of something thicker, and of water that does not fall, stays whole.
 TEST(Estimate, ThinLiquidThatFallsIsTorn) {
   Scene scene = shipped("splash");
-  const double torn = estimate(scene, 1).vertices;
+  const double torn = estimate_of(scene, 1).vertices;
   scene.fluid.kinematic_viscosity = 1;
-  const double whole = estimate(scene, 1).vertices;
+  const double whole = estimate_of(scene, 1).vertices;
   EXPECT_GT(torn, 4 * whole);
   scene.fluid.kinematic_viscosity = 1e-4;
   scene.fluid.gravity = Vec3::Zero();
-  EXPECT_EQ(estimate(scene, 1).vertices, whole);
+  EXPECT_EQ(estimate_of(scene, 1).vertices, whole);
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ namespace {
 const SourcePosition kScene{"scene.toml", 3, 1};
 
 void expect_unit_cube(const std::filesystem::path& file) {
-  const TriangleSurface cube = read_closed_mesh(file, kScene);
+  const TriangleSurface cube = read_closed_mesh(file, kScene).surface;
   EXPECT_EQ(cube.vertices.size(), 8u) << file;
   EXPECT_EQ(cube.triangles.size(), 12u) << file;
   EXPECT_EQ(mesh_topology(cube.vertices, cube.triangles).genus, 0) << file;
@@ -85,11 +85,11 @@ TEST(MeshFile, CutsPolygonsThatAreNotConvex) {
       "0 0 1\n"
       "f 6 5 4 3 2 1\nf 7 8 9 10 11 12\nf 1 2 8 7\nf 2 3 9 8\nf 3 4 10 9\nf 4 5 11 10\nf 5 6 12 11\nf 6 1 7 "
       "12\n";
-  const TriangleSurface prism = read_closed_mesh(temporary_file("prism.obj", text), kScene);
+  const TriangleSurface prism = read_closed_mesh(temporary_file("prism.obj", text), kScene).surface;
   const AreaAndVolume measured = area_and_volume(prism.vertices, prism.triangles);
   EXPECT_NEAR(measured.volume, 3, 1e-12);
   EXPECT_NEAR(measured.area, 2 * 3 + 8, 1e-12);  // a triangle that stuck out would add area
-  EXPECT_NEAR(WallDistance(std::vector{prism}).depth({1.5, 1.5, 0.5}), -0.5, 1e-12);
+  EXPECT_NEAR(WallDistance(solid_walls(std::vector{prism})).depth({1.5, 1.5, 0.5}), -0.5, 1e-12);
 }
 
 TEST(MeshFile, DropsPointsThatNothingUses) {
@@ -102,9 +102,10 @@ TEST(MeshFile, DropsPointsThatNothingUses) {
 TEST(MeshFile, ScaleAndTranslationPlaceTheWall) {
   Scene scene;
   add_wall(scene, MeshShape{source_file("tests/data/meshes/cube.stl"), 0.5, Vec3(1, 2, 3)});
-  const TriangleSurface wall = wall_surfaces(scene)[0];
+  const std::vector<SolidWall> walls = prepare(scene).walls;
+  const TriangleSurface& wall = walls[0].surface();
   EXPECT_NEAR(area_and_volume(wall.vertices, wall.triangles).volume, 0.125, 1e-12);
-  EXPECT_NEAR(WallDistance(std::vector{wall}).depth({1.25, 2.25, 3.25}), 0.25, 1e-12);
+  EXPECT_NEAR(WallDistance(walls).depth({1.25, 2.25, 3.25}), 0.25, 1e-12);
 }
 
 TEST(MeshFile, NamesTheLineOfAMistake) {

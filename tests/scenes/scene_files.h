@@ -12,7 +12,7 @@
 
 #include "core/errors.h"
 #include "core/read_file.h"
-#include "scenes/scene.h"
+#include "scenes/prepared_scene.h"
 
 namespace kappaflow {
 
@@ -50,12 +50,12 @@ inline std::filesystem::path temporary_file(std::string_view name, std::string_v
   return file;
 }
 
-/// The message of the InvalidInput that loading throws, without the folder of the scene; empty where it
-/// loads.
+/// The message of the InvalidInput that loading and preparing throws, without the folder of the scene; empty
+/// where there is none.
 inline std::string load_error(const std::filesystem::path& file) {
   std::string message;
   try {
-    load_scene(file);
+    prepare(load_scene(file));
   } catch (const InvalidInput& error) {
     message = error.what();
   }

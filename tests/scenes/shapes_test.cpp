@@ -72,7 +72,7 @@ TEST(Basin, IsOneClosedSurfaceWithTheVolumeOfItsWallsAndIsOpenAbove) {
   EXPECT_EQ(mesh_topology(basin.vertices, basin.triangles).components, 1);
   EXPECT_EQ(mesh_topology(basin.vertices, basin.triangles).genus, 0);
   EXPECT_NEAR(area_and_volume(basin.vertices, basin.triangles).volume, 2.5 * 3.25 * 1 - 3, 1e-14);
-  const WallDistance distance(std::vector{basin});
+  const WallDistance distance(solid_walls(std::vector{basin}));
   EXPECT_NEAR(distance.depth(Vec3(0, 2, 2.25)), -0.25, 1e-14);
   EXPECT_NEAR(distance.depth(Vec3(0, 4, 2.25)), -std::hypot(1.0, 0.25), 1e-14);
   EXPECT_NEAR(distance.depth(Vec3(0, -0.1, 2.25)), 0.1, 1e-14);
@@ -106,7 +106,7 @@ TEST_P(Stairs, HaveNoVertexInsideAnEdge) {
 
 TEST_P(Stairs, HaveTreadsWhereTheyShouldBe) {
   const StairsShape shape = example_stairs(GetParam());
-  const WallDistance walls(std::vector{stairs_surface(shape)});
+  const WallDistance walls(solid_walls(std::vector{stairs_surface(shape)}));
   const double top = shape.origin.y() + shape.steps * shape.rise;
   const double edge = shape.origin.x() - (shape.steps - 1) * shape.run;
   EXPECT_NEAR(walls.depth({edge - 0.7, top + 0.05, 2}), -0.05, 1e-12);  // over the landing
@@ -159,7 +159,7 @@ TEST(LatticePoints, FillAMeshAsTheShapeThatItIs) {
   const std::vector<Vec3> points = lattice_points(stairs_surface(stairs), 0.05);
   EXPECT_NEAR(static_cast<double>(points.size()), cells, 1e-9 * cells);
   EXPECT_LE(static_cast<double>(points.size()), lattice_size(stairs_surface(stairs), 0.05));
-  const WallDistance inside(std::vector{stairs_surface(stairs)});
+  const WallDistance inside(solid_walls(std::vector{stairs_surface(stairs)}));
   for (const Vec3& x : points) EXPECT_GT(inside.depth(x), 0);
 }
 
@@ -167,11 +167,11 @@ TEST(FillBlocks, LeavesOutWhatIsInOrNearAWall) {
   Scene scene;
   scene.fluid.spacing = 0.1;
   add_block(scene, BoxShape{Vec3(0, 0, 0), Vec3(1, 1, 1)}, Vec3(1, 2, 3));
-  EXPECT_EQ(fill_blocks(scene).position.size(), 1000u);
+  EXPECT_EQ(prepare(scene).start.position.size(), 1000u);
   add_wall(scene, BoxShape{Vec3(-1, -1, -1), Vec3(2, 0, 2)});  // touches: stays whole
-  EXPECT_EQ(fill_blocks(scene).position.size(), 1000u);
+  EXPECT_EQ(prepare(scene).start.position.size(), 1000u);
   add_wall(scene, BoxShape{Vec3(-1, 0.47, -1), Vec3(2, 2, 2)});  // layers at 0.45 and above are too near
-  const FluidParticlesAtStart start = fill_blocks(scene);
+  const FluidParticlesAtStart start = prepare(scene).start;
   EXPECT_EQ(start.position.size(), 400u);
   for (const Vec3& x : start.position) EXPECT_LT(x.y(), 0.36);
   for (const Vec3& v : start.velocity) EXPECT_EQ(v, Vec3(1, 2, 3));
@@ -184,7 +184,7 @@ TEST(FillBlocks, LeavesOutWhatAnEarlierBlockFilled) {
   add_block(scene, BoxShape{Vec3(0, 0, 0), Vec3(1, 1, 1)}, Vec3(1, 0, 0));
   add_block(scene, BoxShape{Vec3(0.5, 0, 0), Vec3(1.5, 1, 1)}, Vec3(0, 1, 0));  // half of it is filled
   add_block(scene, SphereShape{Vec3(0.77, 0.52, 0.49), 0.9}, Vec3(0, 0, 1));    // on another lattice
-  const FluidParticlesAtStart start = fill_blocks(scene);
+  const FluidParticlesAtStart start = prepare(scene).start;
   ASSERT_GT(start.position.size(), 1500u);
   EXPECT_EQ(start.velocity[999], Vec3(1, 0, 0));
   EXPECT_EQ(start.velocity[1000], Vec3(0, 1, 0));
@@ -205,7 +205,7 @@ TEST(FillBlocks, ParticlesCarryTheFluidAndTheNumberOfTheirBlock) {
   add_block(scene, SphereShape{Vec3(3, 0, 0), 0.3});
   scene.blocks.back().fluid = 1;
   add_block(scene, SphereShape{Vec3(5, 0, 0), 0.3});
-  const FluidParticlesAtStart start = fill_blocks(scene);
+  const FluidParticlesAtStart start = prepare(scene).start;
   ASSERT_EQ(start.fluid.size(), start.position.size());
   ASSERT_EQ(start.source.size(), start.position.size());
   for (std::size_t i = 0; i < start.fluid.size(); ++i) {
@@ -220,7 +220,8 @@ TEST(ShippedScenes, LoadWithRoundNumbersOfParticles) {
   std::set<std::string> seen;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     if (entry.path().extension() != ".toml") continue;
-    const Scene scene = load_scene(entry.path());
+    const PreparedScene prepared = prepare(load_scene(entry.path()));
+    const Scene& scene = prepared.scene;
     seen.insert(entry.path().filename().string());
     if (scene.blocks.empty()) continue;  // emitters alone
     double volume = 0;                   // of the blocks: nothing of them may be lost to walls
@@ -232,11 +233,11 @@ TEST(ShippedScenes, LoadWithRoundNumbersOfParticles) {
         volume += 4.0 / 3 * M_PI * std::pow(std::get<SphereShape>(block.shape).radius, 3);
         tolerance = 0.01 * volume;  // a lattice does not fill a ball evenly
       }
-    const FluidParticlesAtStart start = fill_blocks(scene);
+    const FluidParticlesAtStart& start = prepared.start;
     EXPECT_NEAR(static_cast<double>(start.position.size()) * std::pow(scene.fluid.spacing, 3), volume,
                 tolerance)
         << entry.path();
-    const WallDistance walls(wall_surfaces(scene));
+    const WallDistance walls(prepared.walls);
     for (const Vec3& x : start.position)
       ASSERT_LE(walls.depth(x), -0.499 * scene.fluid.spacing) << entry.path();
   }
@@ -248,11 +249,11 @@ TEST(ShippedScenes, LoadWithRoundNumbersOfParticles) {
 
 TEST(ShippedScenes, HaveTheStatedSizes) {
   const std::filesystem::path folder = std::filesystem::path(KAPPAFLOW_SOURCE_DIR) / "scenes";
-  EXPECT_NEAR(static_cast<double>(fill_blocks(load_scene(folder / "staircase.toml")).position.size()), 1e4,
+  EXPECT_NEAR(static_cast<double>(prepare(load_scene(folder / "staircase.toml")).start.position.size()), 1e4,
               5e3);
-  EXPECT_NEAR(static_cast<double>(fill_blocks(load_scene(folder / "staircase-small.toml")).position.size()),
+  EXPECT_NEAR(static_cast<double>(prepare(load_scene(folder / "staircase-small.toml")).start.position.size()),
               1e3, 5e2);
-  EXPECT_GE(fill_blocks(load_scene(folder / "staircase-large.toml")).position.size(), 100000u);
+  EXPECT_GE(prepare(load_scene(folder / "staircase-large.toml")).start.position.size(), 100000u);
 }
 
 }  // namespace

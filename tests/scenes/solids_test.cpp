@@ -104,7 +104,7 @@ std::vector<PiecesCase> pieces_cases() {
 
 TEST(Solids, AreFilledAsTheirUnion) {
   for (const auto& [name, surface, volume] : pieces_cases()) {
-    const TriangleSurface read = read_closed_mesh(mesh_file(surface), {"scene.toml"});
+    const TriangleSurface read = read_closed_mesh(mesh_file(surface), {"scene.toml"}).surface;
     EXPECT_EQ(static_cast<double>(lattice_points(read, 0.1).size()), volume) << name;
   }
 }
@@ -116,7 +116,7 @@ TEST(Solids, KeepLiquidOutOfTheirUnion) {
     scene.fluid.spacing = 0.1;
     add_block(scene, BoxShape{Vec3::Constant(-0.2), Vec3(3.2, 1.7, 1.7)});
     add_wall(scene, MeshShape{mesh_file(surface)});
-    EXPECT_EQ(static_cast<double>(fill_blocks(scene).position.size()), 34 * 19 * 19 - volume) << name;
+    EXPECT_EQ(static_cast<double>(prepare(scene).start.position.size()), 34 * 19 * 19 - volume) << name;
   }
 }
 
@@ -168,7 +168,7 @@ TEST(Solids, AreWhereTheWindingNumberIsPositive) {
 // least as deep as in any of them.
 TEST(Solids, GiveTheDistanceToTheirUnion) {
   const TriangleSurface two = joined({kCube, cube(0.5, 1)});
-  const WallDistance walls(std::vector{two});
+  const WallDistance walls(solid_walls(std::vector{two}));
   EXPECT_NEAR(walls.depth({1.2, 0.25, 0.25}), -0.2, 1e-12);
   EXPECT_NEAR(walls.depth({1.2, 0.4, 0.6}), -0.1, 1e-12) << "below the second cube";
   EXPECT_NEAR(walls.depth({1.1, 1.1, 1.1}), 0.4, 1e-12);

@@ -83,7 +83,7 @@ TriangleSurface spiky_ball(unsigned seed) {
 
 void expect_agrees_with_brute_force(const TriangleSurface& surface, const Vec3& lower, const Vec3& upper,
                                     int count) {
-  const WallDistance walls(std::vector{surface});
+  const WallDistance walls(solid_walls(std::vector{surface}));
   RandomPoints random(3);
   int inside = 0;
   for (int i = 0; i < count; ++i) {
@@ -112,7 +112,7 @@ TEST(WallDistance, AgreesWithBruteForceOnSpikesAndPits) {
 
 TEST(WallDistance, AgreesWithBruteForceNextToVerticesAndEdges) {
   const TriangleSurface ball = spiky_ball(4);
-  const WallDistance walls(std::vector{ball});
+  const WallDistance walls(solid_walls(std::vector{ball}));
   RandomPoints random(5);
   for (const Triangle& t : ball.triangles) {
     const Vec3 &a = ball.vertices[t[0]], &b = ball.vertices[t[1]];
@@ -132,7 +132,7 @@ double box_depth(const Vec3& h, const Vec3& x) {
 
 TEST(WallDistance, IsExactAroundABox) {
   const Vec3 h(1, 0.25, 3);
-  const WallDistance walls(std::vector{box_surface({-h, h})});
+  const WallDistance walls(solid_walls(std::vector{box_surface({-h, h})}));
   RandomPoints random(6);
   for (int i = 0; i < 20000; ++i) {
     const Vec3 x = random.in(-2 * h, 2 * h);
@@ -147,7 +147,8 @@ TEST(WallDistance, IsExactAroundABox) {
 
 TEST(WallDistance, OfSeveralWallsIsTheDeepest) {
   const Vec3 h(1, 1, 1), shift(3, 0, 0);
-  const WallDistance walls(std::vector{box_surface({-h, h}), box_surface({shift - h, shift + h})});
+  const WallDistance walls(
+      solid_walls(std::vector{box_surface({-h, h}), box_surface({shift - h, shift + h})}));
   EXPECT_NEAR(walls.depth(Vec3(0.5, 0, 0)), 0.5, 1e-15);
   EXPECT_NEAR(walls.depth(Vec3(2.25, 0, 0)), 0.25, 1e-15);
   EXPECT_NEAR(walls.depth(Vec3(1.75, 0, 0)), -0.25, 1e-15);

@@ -4,7 +4,7 @@
 #include <random>
 
 #include "core/errors.h"
-#include "core/solids.h"
+#include "core/solid_wall.h"
 #include "solver/boundary_sampling.h"
 #include "solver/pressure.h"
 #include "solver/surface_tension.h"
@@ -22,12 +22,8 @@ using test::joined;
 constexpr double kSpacing = 0.05;
 constexpr double kDepth = kWallDepth * kSpacing;
 
-std::vector<SolidDistance> distances(const std::vector<TriangleSurface>& walls) {
-  return std::vector<SolidDistance>(walls.begin(), walls.end());
-}
-
-void expect_at_depth(const std::vector<SolidDistance>& solids, const Vec3& x) {
-  const double depth = -nearest_of_union(solids, x).distance;
+void expect_at_depth(std::span<const SolidWall> walls, const Vec3& x) {
+  const double depth = -nearest_of_walls(walls, x).distance;
   EXPECT_LT(depth, 1.001 * kDepth) << x.transpose();
   EXPECT_GT(depth, 0.999 * kDepth) << x.transpose();
 }
@@ -72,10 +68,9 @@ TEST(SolidDistance, RejectsWhatIsNoSurface) {
 }
 
 TEST(WallSamples, CoverTheLayerEvenly) {
-  const std::vector<TriangleSurface> walls{box_surface({0, 0, 0}, {1, 0.5, 0.8})};
-  const auto solids = distances(walls);
-  const auto samples = sample_walls(walls, solids, kSpacing);
-  for (const WallSample& s : samples) expect_at_depth(solids, s.position);
+  const auto walls = solid_walls(std::vector{box_surface({0, 0, 0}, {1, 0.5, 0.8})});
+  const auto samples = sample_walls(walls, kSpacing);
+  for (const WallSample& s : samples) expect_at_depth(walls, s.position);
   double nearest = 1;
   for (std::size_t a = 0; a < samples.size(); ++a)
     for (std::size_t b = a + 1; b < samples.size(); ++b)
@@ -95,10 +90,9 @@ TEST(WallSamples, CoverTheLayerEvenly) {
 }
 
 TEST(WallSamples, LeaveOutFacesThatAnotherSolidCovers) {
-  const std::vector<TriangleSurface> walls{box_surface({0, 0, 0}, {0.6, 0.6, 0.6}),
-                                           box_surface({0.3, 0, 0}, {0.9, 0.6, 0.6})};
-  const auto solids = distances(walls);
-  for (const WallSample& s : sample_walls(walls, solids, kSpacing)) expect_at_depth(solids, s.position);
+  const auto walls = solid_walls(
+      std::vector{box_surface({0, 0, 0}, {0.6, 0.6, 0.6}), box_surface({0.3, 0, 0}, {0.9, 0.6, 0.6})});
+  for (const WallSample& s : sample_walls(walls, kSpacing)) expect_at_depth(walls, s.position);
 }
 
 /// A step of height 0.4 at x = 0.5, in one piece.
@@ -133,33 +127,32 @@ double density_in_corner(const std::vector<WallSample>& samples) {
 
 // Overlapping boxes in one surface, and one that lies in another, against the same step in one piece.
 TEST(WallSamples, OfOverlappingPiecesAreThoseOfTheirUnion) {
-  const std::vector<TriangleSurface> step{step_surface()};
-  const std::vector<TriangleSurface> pieces{
-      joined({box_surface({-1, -0.5, -1}, {2, 0, 2}), box_surface({0.5, -0.3, -1}, {2, 0.4, 2}),
-              box_surface({-0.4, -0.4, 0.2}, {0.3, -0.05, 0.6})})};
-  const auto of_step = sample_walls(step, distances(step), kSpacing),
-             of_pieces = sample_walls(pieces, solid_distances(pieces), kSpacing);
-  for (const WallSample& s : of_pieces) expect_at_depth(distances(step), s.position);
+  const auto step = solid_walls(std::vector{step_surface()});
+  const auto pieces = solid_walls(
+      std::vector{joined({box_surface({-1, -0.5, -1}, {2, 0, 2}), box_surface({0.5, -0.3, -1}, {2, 0.4, 2}),
+                          box_surface({-0.4, -0.4, 0.2}, {0.3, -0.05, 0.6})})});
+  const auto of_step = sample_walls(step, kSpacing), of_pieces = sample_walls(pieces, kSpacing);
+  for (const WallSample& s : of_pieces) expect_at_depth(step, s.position);
   const auto count = [](const auto& samples) { return static_cast<double>(samples.size()); };
   EXPECT_NEAR(count(of_pieces), count(of_step), 0.02 * count(of_step));
   EXPECT_NEAR(density_in_corner(of_pieces), density_in_corner(of_step), 0.01);
 }
 
 TEST(WallSamples, RejectWallsThatAreTooLargeToCount) {
-  const std::vector<TriangleSurface> walls{box_surface({0, 0, 0}, {1e6, 1e6, 1})};
-  EXPECT_THROW(sample_walls(walls, distances(walls), kSpacing), InvalidInput);
+  const auto walls = solid_walls(std::vector{box_surface({0, 0, 0}, {1e6, 1e6, 1})});
+  EXPECT_THROW(sample_walls(walls, kSpacing), InvalidInput);
 }
 
 TEST(WallSamples, RejectAWallThatIsTooThin) {
-  const std::vector<TriangleSurface> walls{box_surface({0, 0, 0}, {1, 1.8 * kSpacing, 1})};
-  EXPECT_THROW(sample_walls(walls, distances(walls), kSpacing), InvalidInput);
+  const auto walls = solid_walls(std::vector{box_surface({0, 0, 0}, {1, 1.8 * kSpacing, 1})});
+  EXPECT_THROW(sample_walls(walls, kSpacing), InvalidInput);
 }
 
 /// Density of a lattice whose lowest layer is `height` above a large flat wall, at points away from the
 /// lattice's sides.
 double density_above_wall(double height) {
-  const std::vector<TriangleSurface> walls{box_surface({-1, -0.5, -1}, {2, 0, 2})};
-  const auto samples = sample_walls(walls, distances(walls), kSpacing);
+  const auto walls = solid_walls(std::vector{box_surface({-1, -0.5, -1}, {2, 0, 2})});
+  const auto samples = sample_walls(walls, kSpacing);
   const double base = height - 0.5 * kSpacing;
   const auto points = test::block({0, base, 0}, {1, base + 0.3, 1}, kSpacing);
   const test::Liquid liquid(points, std::vector<Vec3>(points.size(), Vec3::Zero()),
@@ -182,8 +175,8 @@ TEST(Walls, LatticeHalfASpacingOffIsAtRestDensity) {
 }
 
 TEST(Walls, FrictionIsConfinedToTheContact) {
-  const std::vector<TriangleSurface> walls{box_surface({-1, -0.5, -1}, {2, 0, 2})};
-  const auto samples = sample_walls(walls, distances(walls), kSpacing);
+  const auto walls = solid_walls(std::vector{box_surface({-1, -0.5, -1}, {2, 0, 2})});
+  const auto samples = sample_walls(walls, kSpacing);
   const std::vector<Vec3> points{Vec3(0.5, 0.02, 0.5), Vec3(0.5, 0.3, 0.5)};
   const test::Liquid liquid(points, points, static_cast<float>(kSpacing), samples);
   const WallSums& sums = liquid.wall_sums;
@@ -195,8 +188,8 @@ TEST(Walls, FrictionIsConfinedToTheContact) {
 
 // g = 1 / (spacing d) at the distance d from a flat wall, in the mean over places.
 TEST(Walls, FrictionFollowsTheDistanceWhereLiquidRests) {
-  const std::vector<TriangleSurface> walls{box_surface({-1, -0.5, -1}, {2, 0, 2})};
-  const auto samples = sample_walls(walls, distances(walls), kSpacing);
+  const auto walls = solid_walls(std::vector{box_surface({-1, -0.5, -1}, {2, 0, 2})});
+  const auto samples = sample_walls(walls, kSpacing);
   for (const double distance : {0.4, 0.5, 0.6}) {
     std::vector<Vec3> points = test::block({0, 0, 0}, {1, kSpacing, 1}, kSpacing);
     for (Vec3& x : points) x.y() = distance * kSpacing;
@@ -210,8 +203,8 @@ TEST(Walls, FrictionFollowsTheDistanceWhereLiquidRests) {
 
 // Particles in the place of a wall's particle, and of each other.
 TEST(Walls, CoincidingParticlesGiveFiniteForces) {
-  const std::vector<TriangleSurface> walls{box_surface({-1, -0.5, -1}, {1, 0, 1})};
-  const auto samples = sample_walls(walls, distances(walls), kSpacing);
+  const auto walls = solid_walls(std::vector{box_surface({-1, -0.5, -1}, {1, 0, 1})});
+  const auto samples = sample_walls(walls, kSpacing);
   std::vector<Vec3> points;
   for (std::size_t s = 0; s < samples.size(); s += 7) points.insert(points.end(), 2, samples[s].position);
   std::vector<Vec3> velocity(points.size());
@@ -241,10 +234,9 @@ TEST(Walls, AThinWallIsAsGoodAsAThickOne) {
   std::array<double, 2> mean{};
   for (const bool thin : {true, false}) {
     const double thickness = thin ? 1.01 * kThinnestWall * kSpacing : 0.5;
-    const std::vector<TriangleSurface> walls{box_surface({-1, -thickness, -1}, {2, 0, 2})};
+    const auto walls = solid_walls(std::vector{box_surface({-1, -thickness, -1}, {2, 0, 2})});
     const auto points = test::block({0, 0, 0}, {1, 0.3, 1}, kSpacing);
-    const test::Liquid liquid(points, points, static_cast<float>(kSpacing),
-                              sample_walls(walls, distances(walls), kSpacing));
+    const test::Liquid liquid(points, points, static_cast<float>(kSpacing), sample_walls(walls, kSpacing));
     for (std::size_t i = 0; i < points.size(); ++i)
       if (liquid.wall_sums.touches(i)) mean[thin] += static_cast<double>(liquid.particles.density[i]) / 400;
   }
@@ -261,10 +253,10 @@ BodyMotion turning() {
 
 // A body that has moved acts as one that was built where it is.
 TEST(Walls, AMovedBodyIsFeltWhereItIs) {
-  const std::vector<TriangleSurface> walls{box_surface({0, -0.3, 0}, {0.6, 0, 0.6})};
+  const auto walls = solid_walls(std::vector{box_surface({0, -0.3, 0}, {0.6, 0, 0.6})});
   const BodyMotion motion = turning();
   const double time = 1.3;
-  auto samples = sample_walls(walls, distances(walls), kSpacing);
+  auto samples = sample_walls(walls, kSpacing);
   std::vector<Vec3> points = test::block({0, 0, 0}, {0.6, 0.1, 0.6}, kSpacing);
   for (Vec3& x : points) x = motion.pose(time) * x;
   test::Liquid moving(points, points, static_cast<float>(kSpacing), samples, motion);
@@ -288,10 +280,9 @@ TEST(Walls, AMovedBodyIsFeltWhereItIs) {
 
 // The rate of density that a moving wall causes, against the difference of densities; liquid at rest.
 TEST(Walls, DensityRateMatchesFiniteDifferences) {
-  const std::vector<TriangleSurface> walls{box_surface({0, -0.3, 0}, {0.6, 0, 0.6})};
+  const auto walls = solid_walls(std::vector{box_surface({0, -0.3, 0}, {0.6, 0, 0.6})});
   const auto points = test::block({0, 0, 0}, {0.6, 0.1, 0.6}, kSpacing);
-  test::Liquid liquid(points, points, static_cast<float>(kSpacing),
-                      sample_walls(walls, distances(walls), kSpacing), turning());
+  test::Liquid liquid(points, points, static_cast<float>(kSpacing), sample_walls(walls, kSpacing), turning());
   const float step = 2e-3f;
   std::vector<float> rate, before, after;
   for (std::size_t i = 0; i < points.size(); ++i) rate.push_back(liquid.wall_sums.density_rate(i));

@@ -56,7 +56,7 @@ TEST(Conservation, ThinLiquidOffTheSidesOfStairsIsNotFasterThanFreeFall) {
   o.kinematic_viscosity = 0.02;
   const auto points = test::block({-0.9, 0.8, -0.4}, {-0.1, 1.28, 0.4}, o.spacing);
   FluidSolver solver(o, points, std::vector<Vec3>(points.size(), Vec3(1.5, 0, 0)),
-                     test::stairs(4, 0.2, 0.5, 0.8));
+                     solid_walls(test::stairs(4, 0.2, 0.5, 0.8)));
   double highest = 0;
   for (const Vec3& x : points) highest = std::max(highest, x.y());
   while (solver.time() < 1) {
@@ -75,13 +75,13 @@ TEST(Conservation, LiquidOverAStepStaysAtRest) {
   std::vector<Vec3> points = test::block({0, 0.2, 0}, {0.2, 0.4, 0.2}, o.spacing);
   const auto beside = test::block({0.2, 0, 0}, {0.5, 0.4, 0.2}, o.spacing);
   points.insert(points.end(), beside.begin(), beside.end());
-  std::vector<TriangleSurface> walls{test::box_surface({-0.2, -0.2, -0.2}, {0.7, 0, 0.4}),
-                                     test::box_surface({-0.2, -0.2, -0.2}, {0.2, 0.2, 0.4}),
-                                     test::box_surface({-0.2, -0.2, -0.2}, {0, 0.6, 0.4}),
-                                     test::box_surface({0.5, -0.2, -0.2}, {0.7, 0.6, 0.4}),
-                                     test::box_surface({-0.2, -0.2, -0.2}, {0.7, 0.6, 0}),
-                                     test::box_surface({-0.2, -0.2, 0.2}, {0.7, 0.6, 0.4})};
-  FluidSolver solver(o, points, std::vector<Vec3>(points.size(), Vec3::Zero()), walls);
+  const std::vector walls{test::box_surface({-0.2, -0.2, -0.2}, {0.7, 0, 0.4}),
+                          test::box_surface({-0.2, -0.2, -0.2}, {0.2, 0.2, 0.4}),
+                          test::box_surface({-0.2, -0.2, -0.2}, {0, 0.6, 0.4}),
+                          test::box_surface({0.5, -0.2, -0.2}, {0.7, 0.6, 0.4}),
+                          test::box_surface({-0.2, -0.2, -0.2}, {0.7, 0.6, 0}),
+                          test::box_surface({-0.2, -0.2, 0.2}, {0.7, 0.6, 0.4})};
+  FluidSolver solver(o, points, std::vector<Vec3>(points.size(), Vec3::Zero()), solid_walls(walls));
   while (solver.time() < 1.5) {
     const FluidStep step = solver.step(1.5 - solver.time());
     if (solver.time() > 0.75) {

@@ -158,7 +158,7 @@ TEST(Emitter, SourcesStayWithTheParticlesAndAreSaved) {
       velocity.emplace_back(0, 0, 2 - block);
       source.push_back(block);
     }
-  FluidSolver s(o, position, velocity, {}, {}, {}, source);
+  FluidSolver s(o, position, velocity, {}, {}, source);
   run(s, 0.1);
   std::vector<int> expected = source;
   ASSERT_GT(s.size(), expected.size());
@@ -167,7 +167,7 @@ TEST(Emitter, SourcesStayWithTheParticlesAndAreSaved) {
 
   std::stringstream state;
   StateWriter(state, little_endian())(s);
-  FluidSolver other(o, position, velocity, {}, {}, {}, std::vector<int>(position.size(), 9));
+  FluidSolver other(o, position, velocity, {}, {}, std::vector<int>(position.size(), 9));
   StateReader archive(state);
   archive(other);
   EXPECT_EQ(other.sources(), expected);
@@ -176,7 +176,7 @@ TEST(Emitter, SourcesStayWithTheParticlesAndAreSaved) {
   EXPECT_EQ(other.sources(), expected);
 
   source.pop_back();
-  EXPECT_THROW(FluidSolver(o, position, velocity, {}, {}, {}, source), InvalidInput);
+  EXPECT_THROW(FluidSolver(o, position, velocity, {}, {}, source), InvalidInput);
 }
 
 TEST(Emitter, SameBitsWithAnyNumberOfThreads) {

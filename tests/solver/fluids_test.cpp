@@ -89,10 +89,10 @@ TEST(Fluids, StressIsContinuousAcrossTheirInterface) {
 TEST(Fluids, MistakesAreRefused) {
   const std::vector<Vec3> points{Vec3::Zero(), Vec3(1, 0, 0)};
   const std::vector<std::uint8_t> good{0, 1}, unknown{0, 2}, few{0};
-  EXPECT_NO_THROW(FluidSolver(options(1, 2), points, points, {}, {}, good));
-  EXPECT_THROW(FluidSolver(options(1, 2), points, points, {}, {}, unknown), InvalidInput);
-  EXPECT_THROW(FluidSolver(options(1, 2), points, points, {}, {}, few), InvalidInput);
-  EXPECT_THROW(FluidSolver(options(1, -2), points, points, {}, {}, good), InvalidInput);
+  EXPECT_NO_THROW(FluidSolver(options(1, 2), points, points, {}, good));
+  EXPECT_THROW(FluidSolver(options(1, 2), points, points, {}, unknown), InvalidInput);
+  EXPECT_THROW(FluidSolver(options(1, 2), points, points, {}, few), InvalidInput);
+  EXPECT_THROW(FluidSolver(options(1, -2), points, points, {}, good), InvalidInput);
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <vector>
 
-#include "core/solid_distance.h"
 #include "solver/fluid_solver.h"
 #include "tests/solver/shapes.h"
 
@@ -24,8 +23,7 @@ TEST_P(Staircase, KeepsDensityAndWalls) {
   o.spacing = c.spacing;
   o.kinematic_viscosity = c.viscosity;
   o.max_time_step = c.max_time_step;
-  const auto walls = test::stairs(4, 0.2, 0.5, 1.6);
-  const std::vector<SolidDistance> solids(walls.begin(), walls.end());
+  const auto walls = solid_walls(test::stairs(4, 0.2, 0.5, 1.6));
   const auto points = test::block({-0.9, 0.8, -0.48}, {-0.1, 1.44, 0.48}, c.spacing);
   FluidSolver solver(o, points, std::vector<Vec3>(points.size(), Vec3(1.2, 0, 0)), walls);
   double deepest = 0;
@@ -36,7 +34,7 @@ TEST_P(Staircase, KeepsDensityAndWalls) {
     // Nothing gains more than free fall from where it started gives.
     ASSERT_LT(step.fastest, 1.2 + 9.81 * solver.time() + 0.5) << "at " << solver.time();
     for (const Vec3& x : solver.particles().position)
-      deepest = std::max(deepest, -nearest_of_union(solids, x).distance / c.spacing);
+      deepest = std::max(deepest, -nearest_of_walls(walls, x).distance / c.spacing);
     ASSERT_LT(deepest, 0.6) << "at " << solver.time();
   }
   const Particles p = solver.particles();

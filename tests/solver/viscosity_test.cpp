@@ -176,11 +176,9 @@ TEST(Viscosity, WeightIsNormalisedInTheContinuum) {
 /// A layer of liquid half a spacing above a wall whose particles are those of sample_walls().
 Liquid sliding_layer(const Vec3& velocity, const BodyMotion& motion = {}) {
   const double h = static_cast<double>(kSpacing);
-  const std::vector<TriangleSurface> walls{test::box_surface({-2, -1, -2}, {2, 0, 2})};
-  const std::vector<SolidDistance> solids(walls.begin(), walls.end());
+  const auto walls = solid_walls(std::vector{test::box_surface({-2, -1, -2}, {2, 0, 2})});
   const auto points = test::block({-1, 0, -1}, {1, h, 1}, h);
-  return Liquid(points, std::vector<Vec3>(points.size(), velocity), kSpacing, sample_walls(walls, solids, h),
-                motion);
+  return Liquid(points, std::vector<Vec3>(points.size(), velocity), kSpacing, sample_walls(walls, h), motion);
 }
 
 double mean_speed(const Liquid& liquid, int axis) {

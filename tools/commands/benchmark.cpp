@@ -4,9 +4,10 @@
 #include <tbb/global_control.h>
 
 #include <cmath>
+#include <utility>
 
 #include "core/stopwatch.h"
-#include "scenes/scene.h"
+#include "scenes/prepared_scene.h"
 #include "solver/fluid_solver.h"
 #include "tools/io/files.h"
 #include "tools/runs/progress.h"
@@ -39,18 +40,19 @@ struct Measurement {
 };
 
 /// The scene with about as many particles.
-Scene resized(Scene scene, std::size_t particles) {
-  const double now = static_cast<double>(fill_blocks(scene).position.size());
+PreparedScene resized(const PreparedScene& prepared, std::size_t particles) {
+  const double now = static_cast<double>(prepared.start.position.size());
+  Scene scene = prepared.scene;
   scene.fluid.spacing *= std::cbrt(now / static_cast<double>(particles));
-  return scene;
+  return prepare(std::move(scene));
 }
 
-Measurement measure(const Scene& scene, int threads, const BenchmarkOptions& options) {
+Measurement measure(const PreparedScene& prepared, int threads, const BenchmarkOptions& options) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   static_cast<std::size_t>(threads));
-  const FluidParticlesAtStart start = fill_blocks(scene);
-  FluidSolver solver(scene.fluid, start.position, start.velocity, wall_surfaces(scene), wall_motions(scene),
-                     start.fluid);
+  const Scene& scene = prepared.scene;
+  const FluidParticlesAtStart& start = prepared.start;
+  FluidSolver solver(scene.fluid, start.position, start.velocity, prepared.walls, start.fluid);
   Measurement result;
   result.particles = start.position.size();
   result.threads = threads;
@@ -131,13 +133,13 @@ std::string csv(const std::vector<Measurement>& measurements) {
 }  // namespace
 
 std::string benchmark(const BenchmarkOptions& options) {
-  const Scene scene = load_scene(options.scene);
+  const PreparedScene prepared = prepare(load_scene(options.scene));
   std::vector<Measurement> measurements;
-  const auto run = [&](const Scene& sized) {
+  const auto run = [&](const PreparedScene& sized) {
     for (const int threads : options.threads) measurements.push_back(measure(sized, threads, options));
   };
-  if (options.particles.empty()) run(scene);
-  for (const std::size_t particles : options.particles) run(resized(scene, particles));
+  if (options.particles.empty()) run(prepared);
+  for (const std::size_t particles : options.particles) run(resized(prepared, particles));
   if (!options.csv.empty()) write_file(options.csv, csv(measurements));
   return table(measurements);
 }

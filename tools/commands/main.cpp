@@ -13,7 +13,7 @@
 
 #include "core/errors.h"
 #include "core/version.h"
-#include "scenes/scene.h"
+#include "scenes/prepared_scene.h"
 #include "tools/commands/command_line.h"
 #include "tools/commands/command_options.h"
 #include "tools/commands/command_words.h"
@@ -78,7 +78,8 @@ int execute(const CLI::App& app, CommandLine& line) {
     line.track.threads = line.threads;
     return track(line.track);
   }
-  if (app.got_subcommand("check")) fmt::print("{}", check_text(load_scene(line.check_scene), line.threads));
+  if (app.got_subcommand("check"))
+    fmt::print("{}", check_text(prepare(load_scene(line.check_scene)), line.threads));
   if (app.got_subcommand("benchmark")) {
     if (line.benchmark.threads.empty()) line.benchmark.threads = {line.threads};
     fmt::print("{}", benchmark(line.benchmark));

@@ -69,7 +69,7 @@ Momenta momenta(const Particles& p) {
 /// The drop of the scene, spinning about z.
 FluidSolver spinning_drop(const Scene& scene) {
   const auto& drop = std::get<SphereShape>(scene.blocks.front().shape);
-  FluidParticlesAtStart start = fill_blocks(scene);
+  FluidParticlesAtStart start = prepare(scene).start;
   const double rate = std::sqrt(8 * kRotationalBond * scene.fluid.surface_tension /
                                 (scene.fluid.density * std::pow(drop.radius, 3)));
   for (std::size_t i = 0; i < start.position.size(); ++i)

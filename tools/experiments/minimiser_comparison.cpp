@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-#include "scenes/scene.h"
+#include "scenes/prepared_scene.h"
 #include "scenes/toml_reader.h"
 #include "surface/motion/curvature_invariance.h"
 #include "surface/motion/normal.h"
@@ -121,7 +121,7 @@ std::vector<Problem> make_problems(const ProblemOptions& options, const Experime
   }
   Scene scene = load_scene(folder.parent_path() / "staircase-small.toml");
   scene.surface.methods = {"curvature"};
-  Simulation flow(scene);
+  Simulation flow(prepare(scene));
   flow.advance(options.flow_time, [](const FluidStep&) { return true; });
   problems.push_back(make_problem("staircase-small", options.flow_damping, flow.field(),
                                   flow.trackers().front().mesh().position));

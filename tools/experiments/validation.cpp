@@ -25,9 +25,9 @@ std::string spacings_text(const Scene& scene, std::span<const double> factors) {
 }
 
 FluidSolver make_liquid(const Scene& scene) {
-  const FluidParticlesAtStart start = fill_blocks(scene);
-  return {scene.fluid,          start.position,      start.velocity,
-          wall_surfaces(scene), wall_motions(scene), start.fluid};
+  const PreparedScene prepared = prepare(scene);
+  const FluidParticlesAtStart& start = prepared.start;
+  return {scene.fluid, start.position, start.velocity, prepared.walls, start.fluid};
 }
 
 void advance(FluidSolver& liquid, double time, const LiquidWatch& watch) {

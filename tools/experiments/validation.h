@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/types.h"
-#include "scenes/scene.h"
+#include "scenes/prepared_scene.h"
 #include "solver/fluid_solver.h"
 #include "tools/experiments/experiment.h"
 #include "tools/pictures/report.h"

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/errors.h"
+#include "scenes/estimate.h"
 #include "solver/emitter.h"
 
 namespace kappaflow {
@@ -82,8 +83,9 @@ std::string duration_text(double seconds) {
 
 }  // namespace
 
-std::string check_text(const Scene& scene, int threads) {
-  const SceneEstimate cost = estimate(scene, threads);
+std::string check_text(const PreparedScene& prepared, int threads) {
+  const Scene& scene = prepared.scene;
+  const SceneEstimate cost = estimate(prepared, threads);
   return fmt::format("{}: {}\n", scene.file.string(), scene.title) +
          fmt::format("  duration  {:.4g} s, {:.4g} frames per second\n", scene.duration,
                      scene.output.frames_per_second) +
@@ -98,13 +100,14 @@ std::string check_text(const Scene& scene, int threads) {
              duration_text(cost.seconds), threads, threads == 1 ? "" : "s");
 }
 
-void require_memory(const Scene& scene, std::size_t available) {
-  const std::size_t needed = estimate(scene, 1).memory_bytes;
+void require_memory(const PreparedScene& prepared, std::size_t available) {
+  const std::size_t needed = estimate(prepared, 1).memory_bytes;
   if (needed > available)
-    throw InvalidInput(fmt::format(
-        "{}: needs about {:.3g} GB of memory, there are {:.3g} GB; a larger "
-        "[fluid] spacing needs less",
-        scene.file.string(), static_cast<double>(needed) / 1e9, static_cast<double>(available) / 1e9));
+    throw InvalidInput(
+        fmt::format("{}: needs about {:.3g} GB of memory, there are {:.3g} GB; a larger "
+                    "[fluid] spacing needs less",
+                    prepared.scene.file.string(), static_cast<double>(needed) / 1e9,
+                    static_cast<double>(available) / 1e9));
 }
 
 std::size_t machine_memory() {

@@ -4,15 +4,15 @@
 #include <cstddef>
 #include <string>
 
-#include "scenes/scene.h"
+#include "scenes/prepared_scene.h"
 
 namespace kappaflow {
 
 /// A readable summary of the scene with the estimate for this many threads.
-std::string check_text(const Scene& scene, int threads);
+std::string check_text(const PreparedScene& prepared, int threads);
 
 /// Throws InvalidInput where the scene's estimate is more than `available` bytes of memory.
-void require_memory(const Scene& scene, std::size_t available);
+void require_memory(const PreparedScene& prepared, std::size_t available);
 
 /// Of the machine [bytes].
 std::size_t machine_memory();

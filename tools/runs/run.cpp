@@ -33,34 +33,35 @@ fs::path folder_for(const RunOptions& options) {
 }
 
 RunSummary begin(const RunOptions& options, const InterruptGuard& guard) {
-  const Scene scene = scene_for(options, load_scene(options.scene));
+  PreparedScene prepared = prepare(scene_for(options, load_scene(options.scene)));
+  const Scene& scene = prepared.scene;
   if (scene.surface.methods.empty())
     throw InvalidInput(
         fmt::format("{}: no velocity method to track with; name one in [surface] methods or by "
                     "--track, \"material\" where only the liquid matters",
                     scene.file.string()));
-  require_memory(scene, machine_memory());
-  RunPoint point{options, scene_hash(scene)};
+  require_memory(prepared, machine_memory());
+  RunPoint point{options, prepared.hash};
   point.options.scene = fs::absolute(options.scene);  // for whoever resumes it from elsewhere
   RunFolder folder(folder_for(options), scene.surface.methods, options.force);
   folder.write_scene(scene.text);
-  SceneRun run(point, scene, folder);
-  folder.write_record(run_record(options, scene, run.simulation()));
+  SceneRun run(point, std::move(prepared), folder);
+  folder.write_record(run_record(options, run.scene(), run.simulation()));
   run.start();
   return run.advance(guard);
 }
 
 /// The scene in the run's folder, as long as it is the one that the run began with.
-Scene resumed_scene(const RunPoint& point, const fs::path& folder, const fs::path& named) {
+PreparedScene resumed_scene(const RunPoint& point, const fs::path& folder, const fs::path& named) {
   const std::string text = read_file(folder / kSceneFile);
-  Scene scene = scene_for(point.options, parse_scene(text, point.options.scene));
-  if (scene_hash(scene) != point.scene_hash)
+  PreparedScene prepared = prepare(scene_for(point.options, parse_scene(text, point.options.scene)));
+  if (prepared.hash != point.scene_hash)
     throw InvalidInput({(folder / kSceneFile).string()},
                        "the scene, or a mesh that it names, has changed since the run began");
   if (!named.empty() && read_file(named) != text)
     throw InvalidInput({named.string()},
                        fmt::format("is not the scene that the run in {} began with", folder.string()));
-  return scene;
+  return prepared;
 }
 
 /// Reads the rest of the checkpoint into the run.
@@ -85,14 +86,14 @@ RunSummary resume(const RunOptions& options, const InterruptGuard& guard) {
   RunPoint point;
   archive(point);
   point.options.quiet = options.quiet;
-  const Scene scene = resumed_scene(point, folder.path(), options.scene);
+  PreparedScene prepared = resumed_scene(point, folder.path(), options.scene);
   RunSummary complete;
   complete.text =
       fmt::format("{}: the run is complete, {} frames\n", folder.path().string(), point.frame + 1);
-  if (point.frame == FrameTimes(scene).count) return complete;
+  if (point.frame == FrameTimes(prepared.scene).count) return complete;
 
-  require_memory(scene, machine_memory());
-  SceneRun run(point, scene, folder);
+  require_memory(prepared, machine_memory());
+  SceneRun run(point, std::move(prepared), folder);
   restore(archive, bytes, file, run);
   const fs::path record = folder.path() / kRecordFile;
   folder.write_record(resumed_record(read_file(record), options, run.simulation().fluid().time()));

@@ -14,6 +14,7 @@
 
 #include "core/errors.h"
 #include "core/read_file.h"
+#include "core/text_hash.h"
 #include "core/version.h"
 #include "tools/runs/run_folder.h"
 
@@ -88,22 +89,6 @@ bool is_record(const Json::Value& record) {
 }
 
 }  // namespace
-
-std::string text_hash(std::string_view text) {
-  std::uint64_t hash = 0xcbf29ce484222325u;
-  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
-  return fmt::format("fnv1a64:{:016x}", hash);
-}
-
-std::string scene_hash(const Scene& scene) {
-  std::string text = scene.text;
-  const auto append_mesh = [&](const auto& shape) {
-    if (const auto* mesh = std::get_if<MeshShape>(&shape)) text += read_file(mesh->file);
-  };
-  for (const FluidBlock& block : scene.blocks) append_mesh(block.shape);
-  for (const Wall& wall : scene.walls) append_mesh(wall.shape);
-  return text_hash(text);
-}
 
 std::string time_now() {
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::now()));

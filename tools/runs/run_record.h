@@ -5,7 +5,6 @@
 
 #include <filesystem>
 #include <string>
-#include <string_view>
 
 #include "scenes/scene.h"
 #include "tools/runs/run.h"
@@ -27,11 +26,6 @@ std::string resumed_record(const std::string& record, const RunOptions& options,
 /// The same of tracked particles: the files, what is known about them, and the numbers that were derived.
 std::string track_record(const TrackOptions& options, const ParticleSequence& sequence,
                          const SurfaceDescription& surface, const ParticleFieldOptions& field);
-
-/// "fnv1a64:" and 16 hex digits: the 64-bit FNV-1a hash of a text, to recognise a scene, not to protect it.
-std::string text_hash(std::string_view text);
-/// The same of the scene's text and the mesh files that it names.
-std::string scene_hash(const Scene& scene);
 
 /// Date and time (UTC), as records and reports have them.
 std::string time_now();

@@ -12,17 +12,17 @@ RunWriter::RunWriter(const Scene& scene, const Simulation& simulation, const std
     : scene_(scene),
       simulation_(simulation),
       folder_(folder),
-      motions_(wall_motions(scene)),
+      walls_move_(any_moves(simulation.walls())),
       walls_(simulation.walls()),
       writer_(scene.output, scene.surface.methods, simulation.surfaces(), simulation.tracers(), formats,
               folder) {
-  if (motions_.empty() && !simulation.walls().empty())
-    folder.write_boundary(*boundary_data(simulation.walls()));
+  if (!walls_move_ && !simulation.walls().empty())
+    folder.write_boundary(*boundary_data(surfaces_of(simulation.walls())));
 }
 
 void RunWriter::write(int frame, double time, const SinceFrame& since_frame, RunSummary& summary) {
   const Stopwatch watch;
-  if (!motions_.empty()) move_walls(frame, time);
+  if (walls_move_) move_walls(frame, time);
   const Particles& particles = simulation_.particles();
   const ParticleFieldOptions& options = simulation_.surfaces().field_options();
   const std::vector<float> density = simulation_.fluid().densities(),
@@ -47,9 +47,9 @@ FrameMetrics RunWriter::liquid_metrics(int frame, double time, std::span<const f
 }
 
 void RunWriter::move_walls(int frame, double time) {
-  const std::vector<TriangleSurface> walls = walls_at(time, simulation_.walls(), motions_);
+  const std::vector<SolidWall> walls = walls_at(time, simulation_.walls());
   walls_ = WallDistance(walls);
-  folder_.write_boundary(frame, *boundary_data(walls));
+  folder_.write_boundary(frame, *boundary_data(surfaces_of(walls)));
 }
 
 }  // namespace kappaflow

@@ -33,7 +33,7 @@ class RunWriter {
   const Scene& scene_;
   const Simulation& simulation_;
   RunFolder& folder_;
-  std::vector<BodyMotion> motions_;
+  bool walls_move_;
   WallDistance walls_;  // where they are in the frame
   FrameWriter writer_;
 };

@@ -31,14 +31,14 @@ double FrameTimes::operator[](int frame) const {
   return std::min(frame / frames_per_second, duration);
 }
 
-SceneRun::SceneRun(const RunPoint& point, const Scene& scene, RunFolder& folder)
+SceneRun::SceneRun(const RunPoint& point, PreparedScene prepared, RunFolder& folder)
     : point_(point),
-      scene_(scene),
+      scene_(prepared.scene),
       folder_(folder),
-      times_(scene),
-      simulation_(scene),
-      writer_(scene, simulation_, point.options.formats, folder) {
-  summary_.density_tolerance = scene.fluid.density_tolerance;
+      times_(scene_),
+      simulation_(std::move(prepared)),
+      writer_(scene_, simulation_, point.options.formats, folder) {
+  summary_.density_tolerance = scene_.fluid.density_tolerance;
 }
 
 void SceneRun::start() {

@@ -23,7 +23,7 @@ struct FrameTimes {
 /// What a run was begun with, and how far it is: what a checkpoint begins with.
 struct RunPoint {
   RunOptions options;
-  std::string scene_hash;  ///< see scene_hash()
+  std::string scene_hash;  ///< PreparedScene::hash
   int frame = 0;           ///< the last one written
 
   /// See core/saved_state.h.
@@ -36,8 +36,8 @@ struct RunPoint {
 /// A run between two steps: all that the files to come depend on.
 class SceneRun {
  public:
-  /// Makes the simulation. scene, folder: must outlive it.
-  SceneRun(const RunPoint& point, const Scene& scene, RunFolder& folder);
+  /// Makes the simulation. folder: must outlive it.
+  SceneRun(const RunPoint& point, PreparedScene prepared, RunFolder& folder);
 
   /// Writes frame 0 and a checkpoint: from then on the folder is the run's own.
   void start();
@@ -46,6 +46,7 @@ class SceneRun {
   /// Error where the particles are.
   RunSummary advance(const InterruptGuard& guard);
 
+  const Scene& scene() const { return scene_; }
   const Simulation& simulation() const { return simulation_; }
 
   /// See core/saved_state.h; for a run of the same scene that has not started.
@@ -63,7 +64,7 @@ class SceneRun {
   std::string written_particles() const;
 
   RunPoint point_;
-  const Scene& scene_;
+  Scene scene_;
   RunFolder& folder_;
   FrameTimes times_;
   Stopwatch watch_;

@@ -17,9 +17,11 @@ namespace {
 constexpr double kTimeTolerance = 1e-12;
 constexpr double kRepairPath = 0.8;  // of a particle from one repair of the mesh to the next [spacing]
 
-FluidSolver make_fluid(const Scene& scene, std::span<const TriangleSurface> walls) {
-  const FluidParticlesAtStart start = fill_blocks(scene);
-  return {scene.fluid, start.position, start.velocity, walls, wall_motions(scene), start.fluid, start.source};
+/// Lets go of the particles: the solver has a copy of its own.
+FluidSolver make_fluid(const Scene& scene, FluidParticlesAtStart&& particles,
+                       std::span<const SolidWall> walls) {
+  const FluidParticlesAtStart start = std::move(particles);
+  return {scene.fluid, start.position, start.velocity, walls, start.fluid, start.source};
 }
 
 /// A cube of liquid of which more than half is further than sigma from the faces. The liquid with which an
@@ -45,12 +47,12 @@ SurfaceOptions surface_options(const Scene& scene) {
 
 }  // namespace
 
-Simulation::Simulation(const Scene& scene)
-    : walls_(wall_surfaces(scene)),
-      fluid_(make_fluid(scene, walls_)),
-      surfaces_(fluid_.particles(), surface_options(scene)),
+Simulation::Simulation(PreparedScene prepared)
+    : walls_(std::move(prepared.walls)),
+      fluid_(make_fluid(prepared.scene, std::move(prepared.start), walls_)),
+      surfaces_(fluid_.particles(), surface_options(prepared.scene)),
       tracers_(surfaces_.mesh().position),
-      stride_(scene.surface.stride) {
+      stride_(prepared.scene.surface.stride) {
   surfaces_.find_sources(fluid_.sources());
 }
 

@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "scenes/scene.h"
+#include "scenes/prepared_scene.h"
 #include "solver/fluid_solver.h"
 #include "surface/measure/material_tracers.h"
 
@@ -27,8 +27,8 @@ struct SinceFrame {
 /// Steps the liquid, and after every `stride` solver steps its surfaces.
 class Simulation {
  public:
-  /// Fills the blocks and meshes the surface at t = 0. Throws InvalidInput when the surface is empty.
-  explicit Simulation(const Scene& scene);
+  /// Meshes the surface at t = 0. Throws InvalidInput when the surface is empty.
+  explicit Simulation(PreparedScene prepared);
 
   /// Called after every solver step; returns whether to go on.
   using Watch = std::function<bool(const FluidStep&)>;
@@ -44,7 +44,7 @@ class Simulation {
   const MaterialTracers& tracers() const { return tracers_; }
   const Field& field() const { return surfaces_.field(); }
   const std::vector<SurfaceTracker>& trackers() const { return surfaces_.trackers(); }
-  const std::vector<TriangleSurface>& walls() const { return walls_; }
+  const std::vector<SolidWall>& walls() const { return walls_; }
 
   /// Hands out what happened since the last call, and starts anew.
   SinceFrame take_since_frame();
@@ -58,7 +58,7 @@ class Simulation {
  private:
   void step_surfaces();
 
-  std::vector<TriangleSurface> walls_;
+  std::vector<SolidWall> walls_;
   FluidSolver fluid_;
   TrackedSurfaces surfaces_;
   MaterialTracers tracers_;

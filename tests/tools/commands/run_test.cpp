@@ -8,8 +8,9 @@
 #include <map>
 #include <set>
 
-#include "scenes/scene.h"
 #include "tests/tools/program.h"
+#include "core/text_hash.h"
+#include "scenes/estimate.h"
 #include "tests/tools/scratch.h"
 #include "tests/tools/text_table.h"
 #include "tests/vtk_reader.h"
@@ -152,7 +153,7 @@ TEST_F(Run, TakesTheMemoryThatWasEstimated) {
   const ProgramResult result =
       run_program({"run", scene, "--out", (folder / "r").string(), "--duration", "0.04", "--quiet"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  const double estimated = static_cast<double>(estimate(load_scene(scene), 1).memory_bytes),
+  const double estimated = static_cast<double>(estimate(prepare(load_scene(scene)), 1).memory_bytes),
                taken = static_cast<double>(result.peak_memory);
   EXPECT_LT(taken, 1.1 * estimated);
   EXPECT_GT(taken, 0.5 * estimated);

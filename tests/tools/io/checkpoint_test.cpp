@@ -6,9 +6,9 @@
 #include <set>
 
 #include "core/errors.h"
+#include "core/text_hash.h"
 #include "tests/tools/full_disk.h"
 #include "tests/tools/scratch.h"
-#include "tools/runs/run_record.h"
 
 namespace kappaflow {
 namespace {

@@ -49,7 +49,7 @@ void expect_same(const SinceFrame& one, const SinceFrame& other) {
 }
 
 TEST_F(Simulations, SavedAndReadBackAfterEveryStepAreTheSame) {
-  const Scene scene = parse_scene(kEverythingScene, "everything.toml");
+  const PreparedScene scene = prepare(parse_scene(kEverythingScene, "everything.toml"));
   Simulation whole(scene);
   auto saved = std::make_unique<Simulation>(scene);
   int steps = 0;
@@ -89,7 +89,7 @@ std::size_t of_nearest_particle(const Simulation& simulation, const TriangleMesh
 }
 
 TEST_F(Simulations, VerticesHaveTheSourceOfTheNearestParticle) {
-  Simulation simulation(parse_scene(kEverythingScene, "everything.toml"));
+  Simulation simulation(prepare(parse_scene(kEverythingScene, "everything.toml")));
   const TriangleMesh& mesh = simulation.trackers()[1].mesh();
   EXPECT_EQ(of_nearest_particle(simulation, mesh), mesh.vertex_count());
   EXPECT_EQ(std::set<int>(mesh.source.begin(), mesh.source.end()), (std::set{0, 1}));

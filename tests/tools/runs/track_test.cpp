@@ -365,8 +365,8 @@ TEST_F(Track, SPlisHSPlasHFramesEndToEnd) {
   const auto mesh = surface("regional", 2);
   const fs::path stem = folder / "out/surface-regional/surface_0002";
   const auto n = static_cast<std::size_t>(mesh->GetNumberOfPoints());
-  const TriangleSurface obj = read_closed_mesh(stem.string() + ".obj", {"test"}),
-                        ply = read_closed_mesh(stem.string() + ".ply", {"test"});
+  const TriangleSurface obj = read_closed_mesh(stem.string() + ".obj", {"test"}).surface,
+                        ply = read_closed_mesh(stem.string() + ".ply", {"test"}).surface;
   ASSERT_EQ(obj.vertices.size(), n);
   ASSERT_EQ(ply.vertices.size(), n);
   ASSERT_EQ(obj.triangles.size(), static_cast<std::size_t>(mesh->GetNumberOfPolys()));

@@ -1,0 +1,25 @@
+// What a run of a scene will need.
+#pragma once
+
+#include <cstddef>
+
+#include "scenes/prepared_scene.h"
+
+namespace kappaflow {
+
+/// What a run of the scene is expected to need.
+struct SceneEstimate {
+  std::size_t particles = 0;           ///< of the liquid at the start, those in nozzles left out
+  std::size_t emitted = 0;             ///< by emitters until the end
+  std::size_t boundary_particles = 0;  ///< of the walls
+  std::size_t memory_bytes = 0;        ///< of the program at its peak, its libraries included
+  double steps = 0;                    ///< of the solver
+  double particle_steps = 0;           ///< sum over these of the particles
+  double vertices = 0;                 ///< of one surface, when it has the most
+  double seconds = 0;                  ///< wall time
+};
+/// threads: on which the run will be, >= 1. The models and their constants stand in estimate.cpp; seconds are
+/// good to a factor of about two.
+SceneEstimate estimate(const PreparedScene& prepared, int threads);
+
+}  // namespace kappaflow
