@@ -205,8 +205,9 @@ TEST(TrackedSurfaces, ArraysOfAProgramAreCarriedAlong) {
   ASSERT_LT(vertices_older_than(mesh, first_vertices), mesh.vertex_count()) << "there are new vertices";
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
     EXPECT_NEAR(surface.array<double>("start height")[v], mesh.rest_position[v].y(), 1e-12);
-    if (mesh.id[v] < first_vertices)
+    if (mesh.id[v] < first_vertices) {
       EXPECT_EQ(surface.array<int>("drop")[v], mesh.rest_position[v].x() < 0 ? 0 : 1);
+    }
   }
 }
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "scenes/scene.h"
+#include "scenes/prepared_scene.h"
 
 namespace kappaflow {
 namespace {
@@ -10,7 +10,7 @@ namespace {
 TEST(LiquidMetrics, PenetrationIsTheDeepestCentreInSpacings) {
   Scene scene;
   scene.walls.emplace_back().shape = BoxShape{{0, 0, 0}, {1, 1, 1}};
-  const WallDistance walls(wall_surfaces(scene));
+  const WallDistance walls(prepare(scene).walls);
   const std::vector<Vec3> outside{{2, 0, 0}, {0.5, 1.001, 0.5}},
       inside{{0.5, 0.98, 0.5}, {0.5, 0.99, 0.5}, {2, 2, 2}};
   EXPECT_EQ(penetration_max(outside, walls, 0.1), 0);
