@@ -36,7 +36,7 @@ function(check_paths page)
   foreach(path IN LISTS paths)
     string(SUBSTRING "${path}" 1 -1 path)
     string(REGEX REPLACE "/[A-Z]*$" "" path "${path}")
-    file(GLOB found ${FOLDER}/${path})
+    file(GLOB found ${FOLDER}/${path} ${FOLDER}/${path}.in)  # or what the build makes of the latter
     if(found STREQUAL "")
       list(APPEND dead "${page}: `${path}`")
     endif()
