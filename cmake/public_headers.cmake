@@ -16,4 +16,4 @@ set(KAPPAFLOW_PUBLIC_HEADERS
     surface/tracker/tracker_options.h
     solver/emitter.h solver/fluid_solver.h solver/options.h
     scenes/scene.h scenes/view.h
-    tools/io/files.h tools/io/pvd.h tools/io/vtp_files.h)
+    tools/io/files.h tools/io/particle_frame.h tools/io/pvd.h tools/io/vtp_files.h)

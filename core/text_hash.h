@@ -1,7 +1,9 @@
 // Hashes that recognise a text.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -14,6 +16,13 @@ class TextHash {
   TextHash& add(std::string_view part) {
     for (const char c : part) hash_ = (hash_ ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
     return *this;
+  }
+  /// Numbers or vectors without gaps between them, and how many there are.
+  template <class Value>
+  TextHash& add_values(std::span<const Value> values) {
+    const std::size_t count = values.size();
+    add({reinterpret_cast<const char*>(&count), sizeof count});
+    return add({reinterpret_cast<const char*>(values.data()), values.size_bytes()});
   }
   /// "fnv1a64:" and 16 hex digits.
   std::string text() const;

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
 namespace kappaflow {
 namespace {
 
@@ -14,6 +16,16 @@ TEST(TextHash, IsFnv1a) {
 
 TEST(TextHash, OfPartsIsThatOfTheWhole) {
   EXPECT_EQ(TextHash().add("foo").add("").add("bar").text(), text_hash("foobar"));
+}
+
+TEST(TextHash, IsOfAllNumbersAndOfHowTheyAreDivided) {
+  const std::vector<int> numbers{1, 2, 3};
+  const auto hash_of = [](std::span<const int> first, std::span<const int> second) {
+    return TextHash().add_values(first).add_values(second).text();
+  };
+  const std::span<const int> all(numbers);
+  EXPECT_NE(hash_of(all.first(1), all.last(2)), hash_of(all.first(2), all.last(1)));
+  EXPECT_EQ(hash_of(all, {}), hash_of(numbers, {}));
 }
 
 }  // namespace

@@ -28,11 +28,11 @@ std::string experiment_lines() {
 
 void add_track(CLI::App& app, CommandLine& line) {
   CLI::App* track = app.add_subcommand("track", "Track the surface of particles that another program wrote");
-  track
-      ->add_option(
-          "FILES", line.track.inputs,
-          "Particles, a file a frame (.vtk, .vtp, .vtu, .bgeo, .hdf5, .csv): names or a pattern in quotes")
-      ->required();
+  CLI::Option* files = track->add_option(
+      "FILES", line.track.inputs,
+      "Particles, a file a frame (.vtk, .vtp, .vtu, .bgeo, .hdf5, .csv): names or a pattern in quotes");
+  CLI::Option* resume =
+      add_resume(*track, line.track.resume, "; FILES: where the particles are now, if elsewhere");
   track->add_option("--out", line.track.folder, "Folder for the results (default: out/<name of the files>)");
   add_methods(*track, "--velocity", line.track.methods,
               "Velocity methods (default: material; regional where neither velocities nor ids are known)");
@@ -54,8 +54,15 @@ void add_track(CLI::App& app, CommandLine& line) {
   add_formats(*track, line.track.formats);
   add_threads(*track, line.threads);
   add_force_and_quiet(*track, "run", line.track.force, line.track.quiet);
+  for (const char* name :
+       {"--out", "--velocity", "--fps", "--sigma", "--threshold", "--weights", "--format", "--force"})
+    resume->excludes(track->get_option(name));
+  track->callback([files, resume] {
+    if (files->empty() && resume->empty()) throw CLI::RequiredError("FILES or --resume");
+  });
   track->footer(method_lines() + "\n" +
-                footer("kappaflow track 'frames/*.vtk' --velocity regional --fps 25 --out out/tracked"));
+                footer("kappaflow track 'frames/*.vtk' --velocity regional --fps 25 --out out/tracked\n"
+                       "  kappaflow track --resume out/tracked"));
 }
 
 void add_check(CLI::App& app, CommandLine& line) {

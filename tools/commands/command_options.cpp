@@ -100,6 +100,13 @@ void add_force_and_quiet(CLI::App& command, const std::string& held, bool& force
   command.add_flag("--quiet", quiet, "Print errors only");
 }
 
+CLI::Option* add_resume(CLI::App& command, std::filesystem::path& folder, const std::string& more) {
+  return command
+      .add_option("--resume", folder,
+                  "Go on with the interrupted run in this folder, with its options" + more)
+      ->type_name("DIR");
+}
+
 void add_positive(CLI::App& command, const std::string& name, std::optional<double>& value,
                   const std::string& text) {
   command

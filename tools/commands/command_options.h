@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -35,6 +36,9 @@ void add_formats(CLI::App& command, std::vector<MeshFormat>& formats);
 
 /// --force and --quiet. held: what the folder may already hold.
 void add_force_and_quiet(CLI::App& command, const std::string& held, bool& force, bool& quiet);
+
+/// --resume. more: what else help texts say of it.
+CLI::Option* add_resume(CLI::App& command, std::filesystem::path& folder, const std::string& more);
 
 /// An option that takes a number above 0.
 void add_positive(CLI::App& command, const std::string& name, std::optional<double>& value,

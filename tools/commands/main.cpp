@@ -38,9 +38,7 @@ void reject_repeated(const std::string& option, const std::vector<std::string>& 
 void add_run(CLI::App& app, CommandLine& line) {
   CLI::App* run = app.add_subcommand("run", "Simulate a scene and track its surface");
   CLI::Option* scene = run->add_option("SCENE", line.run.scene, "Scene file (.toml)");
-  CLI::Option* resume = run->add_option("--resume", line.run.resume,
-                                        "Go on with the interrupted run in this folder, with its options")
-                            ->type_name("DIR");
+  CLI::Option* resume = add_resume(*run, line.run.resume, "");
   run->add_option("--out", line.run.folder, "Folder for the results (default: out/<name of the scene>)");
   add_methods(*run, "--track", line.run.methods, "Velocity methods to track with (default: the scene's)");
   run->add_option("--duration", line.duration, "Simulated time in seconds (default: the scene's)")

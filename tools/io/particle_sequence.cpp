@@ -13,6 +13,7 @@
 #include "core/errors.h"
 #include "core/nearest_points.h"
 #include "core/quantile.h"
+#include "core/text_hash.h"
 
 namespace kappaflow {
 namespace {
@@ -137,7 +138,19 @@ struct Survey {
   std::string coincident;  // where particles are in the places of others; empty: nowhere
   std::string id_name, velocity_name;
   std::size_t left_out = 0;
+  TextHash hash;
 };
+
+void add_to(TextHash& hash, const InputFrame& frame) {
+  const double time = frame.time.value_or(0);
+  hash.add_values(std::span(&time, 1));
+  hash.add_values(std::span(frame.position));
+  hash.add_values(std::span(frame.id));
+  hash.add_values(std::span(frame.velocity));
+  hash.add_values(std::span(frame.density));
+  hash.add_values(std::span(frame.pressure));
+  hash.add_values(std::span(frame.source));
+}
 
 std::string coincidence_note(const InputFrame& frame, const fs::path& file) {
   const Coincidence found = coincident_particles(frame.position);
@@ -187,6 +200,7 @@ Survey survey(const std::vector<fs::path>& files) {
     found.time.push_back(frame.time);
     found.particles.push_back(frame.position.size());
     found.left_out += frame.left_out;
+    add_to(found.hash, frame);
     before = std::move(frame);
   }
   return found;
@@ -288,6 +302,7 @@ ParticleSequence::ParticleSequence(FileSeries series, std::optional<double> fram
   const Survey found = survey(series_.files);
   if (!found.time.front() && !series_.gap.empty())
     throw InvalidInput(fmt::format("{}; files without times must be equally far apart", series_.gap));
+  hash_ = found.hash.text();
   time_ = frame_times(found, frames_per_second, series_);
   matched_ = !found.id_name.empty() && found.repeated.empty();
   using enum Velocity;
@@ -319,12 +334,12 @@ const InputFrame& ParticleSequence::input(std::size_t frame) {
   return inputs_.emplace(frame, read_input_frame(file(frame))).first->second;
 }
 
-SequenceFrame ParticleSequence::frame(std::size_t frame) {
+ParticleFrame ParticleSequence::frame(std::size_t frame) {
   const InputFrame& now = input(frame);
   std::vector<std::size_t> order(now.position.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   if (matched_) order = order_by_id(now.id);
-  SequenceFrame result{{time(frame), {}, ordered(now.position, order), ordered(now.velocity, order)},
+  ParticleFrame result{{time(frame), {}, ordered(now.position, order), ordered(now.velocity, order)},
                        ordered(now.density, order),
                        ordered(now.pressure, order),
                        ordered(now.source, order)};

@@ -8,18 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "core/particles.h"
 #include "tools/io/file_series.h"
 #include "tools/io/input_frame.h"
+#include "tools/io/particle_frame.h"
 
 namespace kappaflow {
-
-/// One frame with everything that tracking needs; one entry a particle in every array.
-struct SequenceFrame {
-  Particles particles;                   ///< sorted by id
-  std::vector<float> density, pressure;  ///< as InputFrame has them; empty where unknown
-  std::vector<int> source;               ///< likewise
-};
 
 /// Particles that are exactly where others are: how many, and the first two in one place.
 struct Coincidence {
@@ -53,11 +46,14 @@ class ParticleSequence {
   /// What a user should know about the files, a sentence or so each.
   const std::vector<std::string>& notes() const { return notes_; }
 
-  /// Reads a frame. Where particles are not matched, ids are new in every frame. Estimated velocities are
-  /// the derivative of the parabola through a particle's places in this frame and those before and after (at
-  /// the ends of the sequence: the nearest three frames), of the line where it is in two of them; a particle
-  /// that is in none but this is at rest.
-  SequenceFrame frame(std::size_t frame);
+  /// Of all that is read from the files, to recognise them by.
+  const std::string& hash() const { return hash_; }
+
+  /// Reads a frame, sorted by id. Where particles are not matched, ids are new in every frame. Estimated
+  /// velocities are the derivative of the parabola through a particle's places in this frame and those before
+  /// and after (at the ends of the sequence: the nearest three frames), of the line where it is in two of
+  /// them; a particle that is in none but this is at rest.
+  ParticleFrame frame(std::size_t frame);
 
  private:
   const InputFrame& input(std::size_t frame);
@@ -69,6 +65,7 @@ class ParticleSequence {
   bool matched_ = false;
   Velocity velocity_ = Velocity::unknown;
   std::vector<std::string> notes_;
+  std::string hash_;
   std::map<std::size_t, InputFrame> inputs_;  // those read last
 };
 

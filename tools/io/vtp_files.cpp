@@ -49,7 +49,8 @@ class ErrorListener final : public vtkCommand {
 
 }  // namespace
 
-vtkSmartPointer<vtkPolyData> particle_data(const ParticleFrame& frame) {
+vtkSmartPointer<vtkPolyData> particle_data(const ParticleFrame& frame, std::span<const double> weight,
+                                           double sigma) {
   const Particles& particles = frame.particles;
   auto data = vtkSmartPointer<vtkPolyData>::New();
   data->SetPoints(make_points(particles.position));
@@ -63,10 +64,10 @@ vtkSmartPointer<vtkPolyData> particle_data(const ParticleFrame& frame) {
   if (!frame.density.empty()) arrays.AddArray(make_array("density", 1, frame.density));
   if (!frame.pressure.empty()) arrays.AddArray(make_array("pressure", 1, frame.pressure));
   if (!frame.source.empty()) arrays.AddArray(make_array<vtkIntArray>("source", 1, frame.source));
-  if (!frame.weight.empty()) {
-    arrays.AddArray(make_array<vtkDoubleArray>("weight", 1, frame.weight));
+  if (!weight.empty()) {
+    arrays.AddArray(make_array<vtkDoubleArray>("weight", 1, weight));
     arrays.AddArray(
-        make_array<vtkDoubleArray>("sigma", 1, particles.size(), [&](std::size_t) { return frame.sigma; }));
+        make_array<vtkDoubleArray>("sigma", 1, particles.size(), [&](std::size_t) { return sigma; }));
   }
   set_time(*data, particles.time);
   return data;

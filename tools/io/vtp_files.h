@@ -8,26 +8,18 @@
 #include <span>
 #include <vector>
 
-#include "core/particles.h"
-#include "surface/field/particle_motion.h"
+#include "core/solids.h"
 #include "surface/measure/surface_state.h"
 #include "surface/measure/texture.h"
+#include "tools/io/particle_frame.h"
 
 namespace kappaflow {
 
-/// What one particle file holds; one entry a particle in every array, or none where a span is empty.
-struct ParticleFrame {
-  const Particles& particles;
-  std::span<const float> density{};   ///< [kg/m3]
-  std::span<const float> pressure{};  ///< [Pa]
-  std::span<const int> source{};      ///< which block or emitter it comes from
-  std::span<const double> weight{};   ///< w_i of Eq. 12
-  double sigma = 0;                   ///< support radius of Eq. 12 [m]; written with the weights only
-};
-
-/// Point arrays velocity, density, pressure, source, id, weight and sigma (the last two let `kappaflow probe`
-/// read the file); every particle is a vertex cell, so that ParaView shows it.
-vtkSmartPointer<vtkPolyData> particle_data(const ParticleFrame& frame);
+/// Point arrays velocity, density, pressure, source, id, weight and sigma, as far as they are known; every
+/// particle is a vertex cell, so that ParaView shows it. weight: w_i of Eq. 12, one a particle, or none;
+/// sigma: its support radius [m]. The last two let `kappaflow probe` read the file.
+vtkSmartPointer<vtkPolyData> particle_data(const ParticleFrame& frame, std::span<const double> weight = {},
+                                           double sigma = 0);
 
 /// What one surface file holds; one entry a vertex in every array, or none where a span is empty.
 struct SurfaceFrame {

@@ -9,8 +9,10 @@
 #include <vtk_jsoncpp.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
+#include <span>
 #include <string_view>
 
 #include "core/errors.h"
@@ -67,8 +69,11 @@ class Drawing {
     while (has_frame(frames_)) ++frames_;
     if (frames_ == 0) throw InvalidInput(fmt::format("{} has no frames yet", options.folder.string()));
     style_ = {.columns = options.columns, .view = chosen_view(options, record_)};
-    subject_ = subject();
-    if (std::max(hidden_share(0), hidden_share(frames_ - 1)) > kHidden) style_.wall_opacity = kGlass;
+    if (fs::exists(options.folder / kBoundaryFile))
+      walls_at_rest_ = read_surface(options.folder / kBoundaryFile);
+    const std::array<Sight, 2> ends{sight(0), sight(frames_ - 1)};
+    subject_ = subject_of(ends);
+    if (std::max(hidden_share(ends[0]), hidden_share(ends[1])) > kHidden) style_.wall_opacity = kGlass;
   }
 
   int frames() const { return frames_; }
@@ -78,6 +83,11 @@ class Drawing {
   double draw(const fs::path& file, int frame) const;
 
  private:
+  /// What a frame shows: walls, perhaps none, and the first method's surface.
+  struct Sight {
+    vtkSmartPointer<vtkPolyData> walls, liquid;
+  };
+
   bool has_frame(int frame) const {
     return std::ranges::all_of(
         methods_, [&](const auto& m) { return fs::exists(options_.folder / surface_file(m, frame)); });
@@ -86,28 +96,28 @@ class Drawing {
     return read_surface(options_.folder / surface_file(method, frame));
   }
   vtkSmartPointer<vtkPolyData> walls(int frame) const;
-  vtkSmartPointer<vtkPolyData> subject() const;
-  double hidden_share(int frame) const;
+  Sight sight(int frame) const { return {walls(frame), surface(methods_.front(), frame)}; }
+  static vtkSmartPointer<vtkPolyData> subject_of(std::span<const Sight> sights);
+  double hidden_share(const Sight& here) const;
 
   const RenderOptions& options_;
   Json::Value record_;
   std::vector<std::string> methods_;
   int frames_ = 0;
   PictureStyle style_;
-  vtkSmartPointer<vtkPolyData> subject_;
+  vtkSmartPointer<vtkPolyData> walls_at_rest_, subject_;
 };
 
 vtkSmartPointer<vtkPolyData> Drawing::walls(int frame) const {
   const fs::path moving = options_.folder / boundary_file(frame);
-  const fs::path file = fs::exists(moving) ? moving : options_.folder / kBoundaryFile;
-  return fs::exists(file) ? read_surface(file) : nullptr;
+  return fs::exists(moving) ? read_surface(moving) : walls_at_rest_;
 }
 
 /// What fills the picture, the same in every frame: walls and first surface in the first and the last frame.
-vtkSmartPointer<vtkPolyData> Drawing::subject() const {
+vtkSmartPointer<vtkPolyData> Drawing::subject_of(std::span<const Sight> sights) {
   auto points = vtkSmartPointer<vtkPoints>::New();
-  for (const int frame : {0, frames_ - 1})
-    for (const auto& part : {walls(frame), surface(methods_.front(), frame)})
+  for (const Sight& here : sights)
+    for (const auto& part : {here.walls, here.liquid})
       if (part && part->GetNumberOfPoints() > 0)
         points->InsertPoints(points->GetNumberOfPoints(), part->GetNumberOfPoints(), 0, part->GetPoints());
   auto subject = vtkSmartPointer<vtkPolyData>::New();
@@ -116,8 +126,8 @@ vtkSmartPointer<vtkPolyData> Drawing::subject() const {
 }
 
 /// The share of the first surface's vertices, of some hundreds, that a wall hides from the viewer.
-double Drawing::hidden_share(int frame) const {
-  const auto around = walls(frame), liquid = surface(methods_.front(), frame);
+double Drawing::hidden_share(const Sight& here) const {
+  const auto& [around, liquid] = here;
   const vtkIdType vertices = liquid->GetNumberOfPoints();
   if (!around || around->GetNumberOfCells() == 0 || vertices == 0) return 0;
   vtkNew<vtkStaticCellLocator> locator;

@@ -91,10 +91,8 @@ std::string check_text(const PreparedScene& prepared, int threads) {
                      scene.output.frames_per_second) +
          liquid_lines(scene) + surface_line(scene.surface, scene.fluid.spacing) +
          fmt::format(
-             "  particles {}{}\n  boundary particles {}\n  memory    about {:.0f} MB\n  time      about {} "
-             "on "
-             "{} "
-             "thread{}\n",
+             "  particles {}{}\n  boundary particles {}\n  memory    about {:.0f} MB\n"
+             "  time      about {} on {} thread{}\n",
              cost.particles, cost.emitted > 0 ? fmt::format(", and {} from emitters", cost.emitted) : "",
              cost.boundary_particles, std::ceil(static_cast<double>(cost.memory_bytes) / 1e6),
              duration_text(cost.seconds), threads, threads == 1 ? "" : "s");

@@ -3,31 +3,36 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/stopwatch.h"
 #include "surface/measure/texture.h"
+#include "tools/io/vtp_files.h"
+#include "tools/runs/timings.h"
 
 namespace kappaflow {
 
-FrameWriter::FrameWriter(const OutputDescription& output, std::vector<std::string> methods,
-                         const TrackedSurfaces& surfaces, const MaterialTracers& tracers,
-                         std::vector<MeshFormat> formats, RunFolder& folder)
+FrameWriter::FrameWriter(const FrameSource& source, const OutputDescription& output,
+                         std::vector<std::string> methods, std::vector<MeshFormat> formats, RunFolder& folder)
     : output_(output),
       methods_(std::move(methods)),
-      surfaces_(surfaces),
-      tracers_(tracers),
+      surfaces_(source.surfaces()),
+      tracers_(source.tracers()),
       formats_(std::move(formats)),
       folder_(folder) {
-  const TriangleMesh& mesh = surfaces.mesh();
+  const TriangleMesh& mesh = surfaces_.mesh();
   first_ = {static_cast<std::int64_t>(mesh.vertex_count()), mesh.vertex_count()};
   initial_box_ = bounding_box(mesh.rest_position);
   last_frame_.assign(methods_.size(), {mesh.next_id, mesh.vertex_count()});
+  if (const std::vector<TriangleSurface> walls = source.walls_at_rest(); !walls.empty())
+    folder.write_boundary(*boundary_data(walls));
 }
 
-void FrameWriter::write(FrameMetrics metrics, const ParticleFrame& particles,
-                        const SurfacesSinceFrame& since_frame, const Stopwatch& watch, RunSummary& summary) {
-  metrics.particles = particles.particles.size();
+void FrameWriter::write(int frame, FrameSource& source, RunSummary& summary) {
+  const Stopwatch watch;
+  FrameReport report = source.take_report(frame);
+  FrameMetrics& metrics = report.metrics;
   const FreshIsosurface isosurface = fresh_isosurface(surfaces_.field(), surfaces_.field_options().sigma);
   metrics.isosurface = isosurface.metrics;
-  folder_.write_particles(metrics.frame, *particle_data(particles));
+  write_liquid(report);
   const double shared_seconds = watch.seconds();
 
   const double memory = resident_memory();
@@ -36,42 +41,53 @@ void FrameWriter::write(FrameMetrics metrics, const ParticleFrame& particles,
   for (std::size_t m = 0; m < methods_.size(); ++m) {
     const Stopwatch surface_watch;
     const std::string& method = methods_[m];
-    const MetricsRow row{metrics, method, write_surface(metrics, isosurface.mesh, m, since_frame.steps[m])};
-    const PhaseSeconds seconds = phase_seconds(since_frame.steps[m], since_frame.solver_seconds,
-                                               shared_seconds + surface_watch.seconds());
+    const MetricsRow row{metrics, method, write_surface(metrics, isosurface.mesh, m, report.steps[m])};
+    const PhaseSeconds seconds =
+        phase_seconds(report.steps[m], report.liquid_seconds, shared_seconds + surface_watch.seconds());
     rows.metrics += metrics_row(row);
     rows.pieces += pieces_rows(row);
     rows.timings += timings_row(metrics.frame, metrics.time, method, seconds, memory);
     summary.methods[m].add_frame(method, row.surface, seconds);
   }
   folder_.finish_frame(metrics.time, rows);
-  summary.add_frame(metrics, since_frame.tracer_seconds, shared_seconds);
+  summary.add_frame(metrics, report.tracer_seconds, shared_seconds);
+}
+
+void FrameWriter::write_liquid(const FrameReport& report) {
+  const int frame = report.metrics.frame;
+  const ParticleFieldOptions& field = surfaces_.field_options();
+  if (!report.walls.empty()) folder_.write_boundary(frame, *boundary_data(report.walls));
+  const std::vector<double> weight =
+      field_weights(report.particles.particles.position, field.sigma, field.weights);
+  folder_.write_particles(frame, *particle_data(report.particles, weight, field.sigma));
 }
 
 SurfaceMetrics FrameWriter::write_surface(const FrameMetrics& frame, const TriangleMesh& isosurface,
                                           std::size_t m, const TrackerStep& since_frame) {
-  const SurfaceTracker& tracker = surfaces_.trackers()[m];
-  const TriangleMesh& mesh = tracker.mesh();
+  const TriangleMesh& mesh = surfaces_.mesh(m);
   const SurfaceState state = surfaces_.state(m);
-  const double sigma = surfaces_.field_options().sigma;
-  const std::string& method = methods_[m];
-  const std::vector<Rgb> checker = checker_colours(mesh.rest_position, output_.checker_size * sigma);
-  const std::vector<Vec2> texture = texture_coordinates(mesh.rest_position, initial_box_, output_.texture);
-  folder_.write_surface(frame.frame, method, *surface_data({frame.time, mesh, state, checker, texture}));
-  for (const MeshFormat format : formats_)
-    folder_.write_mesh(frame.frame, method, format,
-                       mesh_bytes(format, {mesh.position, state.normal, texture, checker, mesh.triangles}));
-
+  write_meshes(frame, m, state);
   SurfaceMetrics metrics = surface_metrics(surfaces_.field(), isosurface, mesh, state, output_.report_axis);
   metrics.residual_max = std::max(metrics.residual_max, since_frame.residual_max);
   metrics.regions_replaced = since_frame.topology.replaced;
   metrics.regions_refused = since_frame.topology.refused;
   metrics.vertices_replaced = since_frame.topology.vertices_lost;
-  metrics.tracer_distance = tracer_distance(mesh, tracers_, sigma);
+  metrics.tracer_distance = tracer_distance(mesh, tracers_, surfaces_.field_options().sigma);
   metrics.kept_fraction = kept_share(mesh, first_);
   metrics.kept_since_frame = kept_share(mesh, last_frame_[m]);
   last_frame_[m] = {mesh.next_id, mesh.vertex_count()};
   return metrics;
+}
+
+void FrameWriter::write_meshes(const FrameMetrics& frame, std::size_t m, const SurfaceState& state) {
+  const TriangleMesh& mesh = surfaces_.mesh(m);
+  const double cube = output_.checker_size * surfaces_.field_options().sigma;
+  const std::vector<Rgb> checker = checker_colours(mesh.rest_position, cube);
+  const std::vector<Vec2> texture = texture_coordinates(mesh.rest_position, initial_box_, output_.texture);
+  folder_.write_surface(frame.frame, methods_[m], *surface_data({frame.time, mesh, state, checker, texture}));
+  for (const MeshFormat format : formats_)
+    folder_.write_mesh(frame.frame, methods_[m], format,
+                       mesh_bytes(format, {mesh.position, state.normal, texture, checker, mesh.triangles}));
 }
 
 /// The share of its vertices that the mesh still has.

@@ -1,40 +1,28 @@
-// What one frame of tracked surfaces leaves in the run folder, and the numbers that go with it.
+// What one frame leaves in the run folder, and the numbers that go with it.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "scenes/scene.h"
-#include "surface/measure/material_tracers.h"
 #include "tools/io/mesh_formats.h"
-#include "tools/io/vtp_files.h"
-#include "tools/runs/metrics.h"
+#include "tools/runs/frame_source.h"
 #include "tools/runs/run_folder.h"
 #include "tools/runs/summary.h"
 
 namespace kappaflow {
 
-/// What happened since the last frame.
-struct SurfacesSinceFrame {
-  std::vector<TrackerStep> steps;  ///< one entry a method
-  double tracer_seconds = 0;       ///< wall time of the material tracers
-  double solver_seconds = 0;       ///< wall time of the liquid
-};
-
 /// Measures and writes frames; keeps what is the same in all of them.
 class FrameWriter {
  public:
-  /// Before the surfaces' first step. methods: what files and tables call the surfaces; formats: of further
-  /// mesh files beside each surface's .vtp.
-  FrameWriter(const OutputDescription& output, std::vector<std::string> methods,
-              const TrackedSurfaces& surfaces, const MaterialTracers& tracers,
+  /// Before the source's first step; writes walls that never move. methods: what files and tables call the
+  /// surfaces; formats: of further mesh files beside each surface's .vtp. The references must outlive it.
+  FrameWriter(const FrameSource& source, const OutputDescription& output, std::vector<std::string> methods,
               std::vector<MeshFormat> formats, RunFolder& folder);
 
-  /// Writes particles and surfaces, completes `metrics` (frame, time and what the caller knows of the
-  /// particles) by the isosurface, and appends everything to tables and summary. watch: runs since the
-  /// frame's output began.
-  void write(FrameMetrics metrics, const ParticleFrame& particles, const SurfacesSinceFrame& since_frame,
-             const Stopwatch& watch, RunSummary& summary);
+  /// Writes the frame that the source has reached: particles, walls that move and surfaces into their files,
+  /// what was measured into tables and summary.
+  void write(int frame, FrameSource& source, RunSummary& summary);
 
   /// See core/saved_state.h.
   template <class Archive>
@@ -55,8 +43,10 @@ class FrameWriter {
   };
   static double kept_share(const TriangleMesh& mesh, const Earlier& earlier);
 
+  void write_liquid(const FrameReport& report);
   SurfaceMetrics write_surface(const FrameMetrics& frame, const TriangleMesh& isosurface, std::size_t m,
                                const TrackerStep& since_frame);
+  void write_meshes(const FrameMetrics& frame, std::size_t m, const SurfaceState& state);
 
   const OutputDescription& output_;
   std::vector<std::string> methods_;

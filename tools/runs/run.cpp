@@ -2,23 +2,22 @@
 
 #include <fmt/format.h>
 
-#include <cereal/cereal.hpp>
 #include <optional>
-#include <sstream>
 #include <utility>
 
 #include "core/errors.h"
 #include "core/read_file.h"
-#include "core/saved_state.h"
-#include "tools/io/checkpoint.h"
 #include "tools/runs/check.h"
+#include "tools/runs/run_driver.h"
 #include "tools/runs/run_record.h"
-#include "tools/runs/scene_run.h"
+#include "tools/runs/scene_frames.h"
 
 namespace kappaflow {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr const char* kRunCommand = "run";
 
 /// The scene of a text that was read from options.scene, as the options want it.
 Scene scene_for(const RunOptions& options, Scene scene) {
@@ -32,30 +31,46 @@ fs::path folder_for(const RunOptions& options) {
   return options.folder.empty() ? fs::path("out") / options.scene.stem() : options.folder;
 }
 
+/// begun_with: what a checkpoint begins with, beside the hash of the scene.
+RunSettings settings_for(const RunOptions& begun_with, const std::string& hash, const Scene& scene) {
+  return {.command = kRunCommand,
+          .title = scene.title,
+          .output = scene.output,
+          .methods = scene.surface.methods,
+          .formats = begun_with.formats,
+          .density_tolerance = scene.fluid.density_tolerance,
+          .quiet = begun_with.quiet,
+          .save_beginning = [begun_with, hash](StateWriter& archive) { archive(begun_with, hash); }};
+}
+
 RunSummary begin(const RunOptions& options, const InterruptGuard& guard) {
+  const Stopwatch watch;
   PreparedScene prepared = prepare(scene_for(options, load_scene(options.scene)));
-  const Scene& scene = prepared.scene;
+  const Scene scene = prepared.scene;
+  const std::string hash = prepared.hash;
   if (scene.surface.methods.empty())
     throw InvalidInput(
         fmt::format("{}: no velocity method to track with; name one in [surface] methods or by "
                     "--track, \"material\" where only the liquid matters",
                     scene.file.string()));
   require_memory(prepared, machine_memory());
-  RunPoint point{options, prepared.hash};
-  point.options.scene = fs::absolute(options.scene);  // for whoever resumes it from elsewhere
+  RunOptions begun_with = options;
+  begun_with.scene = fs::absolute(options.scene);  // for whoever resumes it from elsewhere
   RunFolder folder(folder_for(options), scene.surface.methods, options.force);
   folder.write_scene(scene.text);
-  SceneRun run(point, std::move(prepared), folder);
-  folder.write_record(run_record(options, run.scene(), run.simulation()));
-  run.start();
-  return run.advance(guard);
+  SceneFrames frames(std::move(prepared));
+  RunDriver driver(frames, folder, settings_for(begun_with, hash, scene), watch);
+  folder.write_record(run_record(options, scene, frames));
+  driver.start();
+  return driver.advance(guard);
 }
 
 /// The scene in the run's folder, as long as it is the one that the run began with.
-PreparedScene resumed_scene(const RunPoint& point, const fs::path& folder, const fs::path& named) {
+PreparedScene resumed_scene(const RunOptions& begun_with, const std::string& hash, const fs::path& folder,
+                            const fs::path& named) {
   const std::string text = read_file(folder / kSceneFile);
-  PreparedScene prepared = prepare(scene_for(point.options, parse_scene(text, point.options.scene)));
-  if (prepared.hash != point.scene_hash)
+  PreparedScene prepared = prepare(scene_for(begun_with, parse_scene(text, begun_with.scene)));
+  if (prepared.hash != hash)
     throw InvalidInput({(folder / kSceneFile).string()},
                        "the scene, or a mesh that it names, has changed since the run began");
   if (!named.empty() && read_file(named) != text)
@@ -64,40 +79,25 @@ PreparedScene resumed_scene(const RunPoint& point, const fs::path& folder, const
   return prepared;
 }
 
-/// Reads the rest of the checkpoint into the run.
-void restore(StateReader& archive, std::istream& bytes, const fs::path& file, SceneRun& run) {
-  try {
-    archive(run);
-  } catch (const cereal::Exception&) {
-    bytes.setstate(std::ios::failbit);
-  }
-  if (!bytes || bytes.peek() != std::istream::traits_type::eof())
-    throw IoError(file.string(), "does not hold what this version of kappaflow saves");
-}
-
 RunSummary resume(const RunOptions& options, const InterruptGuard& guard) {
+  const Stopwatch watch;
   RunFolder folder(options.resume);
-  const fs::path file = folder.path() / kCheckpointFile;
-  if (!fs::exists(file))
-    throw IoError(folder.path().string(),
-                  "holds no checkpoint to go on from; a run that ended before its first frame is begun anew");
-  std::istringstream bytes(read_checkpoint(file));
-  StateReader archive(bytes);
-  RunPoint point;
-  archive(point);
-  point.options.quiet = options.quiet;
-  PreparedScene prepared = resumed_scene(point, folder.path(), options.scene);
-  RunSummary complete;
-  complete.text =
-      fmt::format("{}: the run is complete, {} frames\n", folder.path().string(), point.frame + 1);
-  if (point.frame == FrameTimes(prepared.scene).count) return complete;
+  SavedRun saved(folder.path(), kRunCommand);
+  RunOptions begun_with;
+  std::string hash;
+  int frame = 0;
+  saved.read(begun_with, hash, frame);
+  begun_with.quiet = options.quiet;
+  PreparedScene prepared = resumed_scene(begun_with, hash, folder.path(), options.scene);
+  const Scene scene = prepared.scene;
+  if (frame == last_frame_of(scene)) return complete_run(folder.path(), frame);
 
   require_memory(prepared, machine_memory());
-  SceneRun run(point, std::move(prepared), folder);
-  restore(archive, bytes, file, run);
-  const fs::path record = folder.path() / kRecordFile;
-  folder.write_record(resumed_record(read_file(record), options, run.simulation().fluid().time()));
-  return run.advance(guard);
+  SceneFrames frames(std::move(prepared));
+  RunDriver driver(frames, folder, settings_for(begun_with, hash, scene), watch);
+  driver.restore(frame, saved);
+  folder.write_record(resumed_record(folder.path(), options.command, options.threads, frames.time()));
+  return driver.advance(guard);
 }
 
 }  // namespace
@@ -109,14 +109,8 @@ RunSummary run_scene(const RunOptions& options) {
 
 int run(const RunOptions& options) {
   const RunSummary summary = run_scene(options);
-  if (!options.quiet) fmt::print("{}", summary.text);
-  if (summary.interrupted_by == 0) return 0;
   const fs::path folder = options.resume.empty() ? folder_for(options) : options.resume;
-  fmt::print(stderr,
-             "kappaflow: interrupted at t = {:.6g} s; {} frames are complete; kappaflow run --resume {} goes "
-             "on\n",
-             summary.interrupted_at, summary.frames.size(), folder.string());
-  return exit_code_after(summary.interrupted_by);
+  return run_outcome(summary, kRunCommand, folder, options.quiet);
 }
 
 }  // namespace kappaflow

@@ -97,7 +97,9 @@ fs::path place_to_begin(const fs::path& folder, bool force) {
   if (!force)
     throw InvalidInput(fmt::format(
         "{} already holds a run; {}--force replaces it, --out DIR writes elsewhere", folder.string(),
-        fs::exists(folder / kCheckpointFile) ? "kappaflow run --resume goes on with it, " : ""));
+        !fs::exists(folder / kCheckpointFile) ? ""
+        : fs::exists(folder / kSceneFile)     ? "kappaflow run --resume goes on with it, "
+                                              : "kappaflow track --resume goes on with it, "));
   return made_folder(folder / kBeginningFolder);
 }
 

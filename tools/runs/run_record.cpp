@@ -9,7 +9,6 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <memory>
-#include <sstream>
 #include <variant>
 
 #include "core/errors.h"
@@ -105,31 +104,17 @@ std::string build_description() {
                      EIGEN_MINOR_VERSION, TBB_VERSION_MAJOR, TBB_VERSION_MINOR);
 }
 
-std::string run_record(const RunOptions& options, const Scene& scene, const Simulation& simulation) {
+std::string run_record(const RunOptions& options, const Scene& scene, const SceneFrames& frames) {
   Json::Value record =
-      common_record(options.command, options.threads, scene.surface, simulation.surfaces().field_options());
+      common_record(options.command, options.threads, scene.surface, frames.surfaces().field_options());
   record["options"] = options_record(options);
   record["scene"] = scene_record(scene);
-  record["particles"] = Json::UInt64{simulation.particles().size()};
+  record["particles"] = Json::UInt64{frames.surfaces().particles().size()};
   record["duration"] = scene.duration;
   record["frames_per_second"] = scene.output.frames_per_second;
   record["view"]["from"] = list(scene.output.view.from);
   record["view"]["up"] = list(scene.output.view.up);
   return record_text(record);
-}
-
-std::string resumed_record(const std::string& record, const RunOptions& options, double time) {
-  Json::Value root;
-  std::istringstream(record) >> root;
-  Json::Value resumed;
-  resumed["version"] = kVersion;
-  resumed["build"] = build_description();
-  resumed["started"] = time_now();
-  resumed["command"] = list(options.command);
-  resumed["threads"] = options.threads;
-  resumed["time"] = time;
-  root["resumed"].append(resumed);
-  return record_text(root);
 }
 
 Json::Value read_record(const std::filesystem::path& folder) {
@@ -143,6 +128,19 @@ Json::Value read_record(const std::filesystem::path& folder) {
   return record;
 }
 
+std::string resumed_record(const std::filesystem::path& folder, const std::vector<std::string>& command,
+                           int threads, double time) {
+  Json::Value record = read_record(folder), resumed;
+  resumed["version"] = kVersion;
+  resumed["build"] = build_description();
+  resumed["started"] = time_now();
+  resumed["command"] = list(command);
+  resumed["threads"] = threads;
+  resumed["time"] = time;
+  record["resumed"].append(resumed);
+  return record_text(record);
+}
+
 std::string track_record(const TrackOptions& options, const ParticleSequence& sequence,
                          const SurfaceDescription& surface, const ParticleFieldOptions& field) {
   Json::Value record = common_record(options.command, options.threads, surface, field);
@@ -151,6 +149,7 @@ std::string track_record(const TrackOptions& options, const ParticleSequence& se
   input["first"] = sequence.file(0).string();
   input["last"] = sequence.file(sequence.size() - 1).string();
   input["files"] = Json::UInt64{sequence.size()};
+  input["hash"] = sequence.hash();
   input["notes"] = list(sequence.notes());
   record["duration"] = sequence.time(sequence.size() - 1) - sequence.time(0);
   record["frames_per_second"] =

@@ -5,23 +5,26 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "scenes/scene.h"
+#include "tools/io/particle_sequence.h"
 #include "tools/runs/run.h"
-#include "tools/runs/simulation.h"
+#include "tools/runs/scene_frames.h"
 #include "tools/runs/track.h"
 
 namespace kappaflow {
 
 /// The text of run.json: version, build, command, options, scene (file, hash, text), threads, and the numbers
 /// that were derived from the scene (threshold, sigma, frame count).
-std::string run_record(const RunOptions& options, const Scene& scene, const Simulation& simulation);
+std::string run_record(const RunOptions& options, const Scene& scene, const SceneFrames& frames);
 
 /// What the run.json of a run folder says. Throws IoError where it cannot be read or is something else.
 Json::Value read_record(const std::filesystem::path& folder);
 
-/// The record of a run, which says further that it was resumed at `time` [s], and how.
-std::string resumed_record(const std::string& record, const RunOptions& options, double time);
+/// The record in a run folder, which says further that the run was resumed at `time` [s], and how.
+std::string resumed_record(const std::filesystem::path& folder, const std::vector<std::string>& command,
+                           int threads, double time);
 
 /// The same of tracked particles: the files, what is known about them, and the numbers that were derived.
 std::string track_record(const TrackOptions& options, const ParticleSequence& sequence,

@@ -60,9 +60,9 @@ bool Simulation::advance(double time, const Watch& watch) {
   while (time - fluid_.time() > kTimeTolerance) {
     const Stopwatch watch_solver;
     const FluidStep step = fluid_.step(time - fluid_.time());
-    since_frame_.solver_seconds += watch_solver.seconds();
-    since_frame_.density_error_mean = std::max(since_frame_.density_error_mean, step.density_error_mean);
-    since_frame_.density_error_max = std::max(since_frame_.density_error_max, step.density_error_max);
+    report_.solver_seconds += watch_solver.seconds();
+    report_.density_error_mean = std::max(report_.density_error_mean, step.density_error_mean);
+    report_.density_error_max = std::max(report_.density_error_max, step.density_error_max);
     if (++untracked_ == stride_) step_surfaces();
     if (!watch(step) && time - fluid_.time() > kTimeTolerance) return false;
   }
@@ -74,16 +74,16 @@ bool Simulation::advance(double time, const Watch& watch) {
 
 void Simulation::step_surfaces() {
   surfaces_.step(fluid_.particles(), [this](FieldMotion& step) {
-    since_frame_.tracer_seconds += seconds_of([&] { tracers_.step(step); });
+    report_.tracer_seconds += seconds_of([&] { tracers_.step(step); });
     return true;
   });
   untracked_ = 0;
 }
 
-SinceFrame Simulation::take_since_frame() {
-  SinceFrame since = std::exchange(since_frame_, {});
-  since.surfaces = surfaces_.take_report();
-  return since;
+SimulationReport Simulation::take_report() {
+  SimulationReport report = std::exchange(report_, {});
+  report.surfaces = surfaces_.take_report();
+  return report;
 }
 
 }  // namespace kappaflow

@@ -10,8 +10,8 @@
 
 namespace kappaflow {
 
-/// What happened since the last frame.
-struct SinceFrame {
+/// What happened to liquid and surfaces since the last frame.
+struct SimulationReport {
   double density_error_mean = 0, density_error_max = 0;  ///< the largest of FluidStep's
   double solver_seconds = 0;                             ///< wall time of the liquid
   double tracer_seconds = 0;                             ///< and of the material tracers
@@ -46,13 +46,13 @@ class Simulation {
   const std::vector<SurfaceTracker>& trackers() const { return surfaces_.trackers(); }
   const std::vector<SolidWall>& walls() const { return walls_; }
 
-  /// Hands out what happened since the last call, and starts anew.
-  SinceFrame take_since_frame();
+  /// What happened since the last call; the next one starts anew.
+  SimulationReport take_report();
 
   /// See core/saved_state.h; for a simulation of the same scene.
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(fluid_, surfaces_, tracers_, untracked_, since_frame_);
+    archive(fluid_, surfaces_, tracers_, untracked_, report_);
   }
 
  private:
@@ -63,8 +63,8 @@ class Simulation {
   TrackedSurfaces surfaces_;
   MaterialTracers tracers_;
   int stride_;
-  int untracked_ = 0;       // solver steps that the surfaces have not taken yet
-  SinceFrame since_frame_;  // but for the surfaces
+  int untracked_ = 0;        // solver steps that the surfaces have not taken yet
+  SimulationReport report_;  // but for the surfaces
 };
 
 }  // namespace kappaflow

@@ -9,16 +9,17 @@
 #include "core/errors.h"
 #include "surface/measure/surface_motion.h"
 #include "surface/motion/velocity_methods.h"
-#include "tools/runs/frame_writer.h"
-#include "tools/runs/interrupt.h"
-#include "tools/runs/progress.h"
+#include "tools/io/particle_sequence.h"
+#include "tools/runs/run_driver.h"
 #include "tools/runs/run_record.h"
+#include "tools/runs/sequence_frames.h"
 
 namespace kappaflow {
 namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kTrackCommand = "track";
 constexpr double kCheckerSize = 2;  // in sigma
 
 /// Everything that follows from the options and the first frame.
@@ -105,75 +106,76 @@ std::string setup_text(const ParticleSequence& sequence, const TrackSetup& setup
                             fmt::join(setup.surface.methods, ", "));
 }
 
-void write_frame(FrameWriter& writer, RunFolder& folder, int number, const SequenceFrame& frame,
-                 TrackedSurfaces& surfaces, double tracer_seconds, RunSummary& summary) {
-  const Stopwatch watch;
-  surfaces.find_sources(frame.source);
-  const ParticleFieldOptions& field = surfaces.field_options();
-  const std::vector<double> weight = field_weights(frame.particles.position, field.sigma, field.weights);
-  FrameMetrics metrics;
-  metrics.frame = number;
-  metrics.time = frame.particles.time;
-  writer.write(metrics, {frame.particles, frame.density, frame.pressure, frame.source, weight, field.sigma},
-               {surfaces.take_report(), tracer_seconds}, watch, summary);
-  folder.flush();
+/// The options as a checkpoint has them, with the files one by one and where anybody finds them.
+TrackOptions begun_with(const TrackOptions& options, const ParticleSequence& sequence) {
+  TrackOptions begun = options;
+  begun.inputs.clear();
+  for (std::size_t k = 0; k < sequence.size(); ++k)
+    begun.inputs.push_back(fs::absolute(sequence.file(k)).string());
+  return begun;
 }
 
-RunSummary track_sequence(const TrackOptions& options, ParticleSequence& sequence, const TrackSetup& setup,
-                          const InterruptGuard& guard) {
-  const SequenceFrame first = sequence.frame(0);
-  TrackedSurfaces surfaces(first.particles, sequence.frame(1).particles, setup.surface);
-  MaterialTracers tracers(surfaces.mesh().position);
+RunSettings settings_for(const TrackOptions& begun, const ParticleSequence& sequence,
+                         const TrackSetup& setup) {
+  OutputDescription output;
+  output.checker_size = kCheckerSize;
+  return {.command = kTrackCommand,
+          .title = sequence.name(),
+          .output = output,
+          .methods = setup.surface.methods,
+          .formats = begun.formats,
+          .quiet = begun.quiet,
+          .save_beginning = [begun, hash = sequence.hash()](StateWriter& archive) { archive(begun, hash); }};
+}
 
+RunSummary begin(const TrackOptions& options, ParticleSequence& sequence, const Stopwatch& watch,
+                 const InterruptGuard& guard) {
+  const TrackSetup setup = make_setup(options, sequence, sequence.frame(0).particles);
+  if (setup.surface.is_cloud) check_cloud_motion(sequence, setup.field);
+  SequenceFrames frames(sequence, setup.surface);
   RunFolder folder(folder_for(options, sequence), setup.surface.methods, options.force);
   folder.write_record(track_record(options, sequence, setup.surface, setup.field));
   if (!options.quiet) fmt::print("{}", setup_text(sequence, setup, options));
   std::fflush(stdout);
-  OutputDescription output;
-  output.checker_size = kCheckerSize;
-  FrameWriter writer(output, setup.surface.methods, surfaces, tracers, options.formats, folder);
-  RunSummary summary;
-  write_frame(writer, folder, 0, first, surfaces, 0, summary);
-  folder.take_place();
-  const int last = static_cast<int>(sequence.size()) - 1;
-  Progress progress(sequence.time(0), sequence.time(last), last, !options.quiet);
-  for (int k = 1; k <= last && !guard.interrupted(); ++k) {
-    const SequenceFrame next = sequence.frame(k);
-    const int steps = surfaces.steps_to(next.particles);
-    double tracer_seconds = 0;
-    const bool arrived = surfaces.step(next.particles, [&](FieldMotion& step) {
-      tracer_seconds += seconds_of([&] { tracers.step(step); });
-      ++summary.steps;
-      summary.interrupted_at = step.t1();
-      progress.show(step.t1(), k, fmt::format("{} steps a frame", steps));
-      return !guard.interrupted();
-    });
-    if (!arrived) break;
-    surfaces.settle();
-    write_frame(writer, folder, k, next, surfaces, tracer_seconds, summary);
-  }
-  summary.interrupted_by = guard.signal();
-  return summary;
+  RunDriver driver(frames, folder, settings_for(begun_with(options, sequence), sequence, setup), watch);
+  driver.start();
+  return driver.advance(guard);
+}
+
+RunSummary resume(const TrackOptions& options, const InterruptGuard& guard) {
+  const Stopwatch watch;
+  RunFolder folder(options.resume);
+  SavedRun saved(folder.path(), kTrackCommand);
+  TrackOptions begun;
+  std::string hash;
+  int frame = 0;
+  saved.read(begun, hash, frame);
+  begun.quiet = options.quiet;
+  if (frame + 1 == std::ssize(begun.inputs)) return complete_run(folder.path(), frame);
+
+  const bool moved = !options.inputs.empty();
+  ParticleSequence sequence(file_series(moved ? options.inputs : begun.inputs), begun.frames_per_second);
+  if (sequence.hash() != hash)
+    throw InvalidInput(fmt::format("{}: the particles are not those that the run in {} began with",
+                                   sequence.name(), folder.path().string()));
+  const TrackSetup setup = make_setup(begun, sequence, sequence.frame(0).particles);
+  SequenceFrames frames(sequence, setup.surface);
+  RunDriver driver(frames, folder, settings_for(begun_with(begun, sequence), sequence, setup), watch);
+  driver.restore(frame, saved);
+  folder.write_record(resumed_record(folder.path(), options.command, options.threads, frames.time()));
+  return driver.advance(guard);
 }
 
 }  // namespace
 
 int track(const TrackOptions& options) {
   const InterruptGuard guard;
+  if (!options.resume.empty())
+    return run_outcome(resume(options, guard), kTrackCommand, options.resume, options.quiet);
   const Stopwatch watch;
   ParticleSequence sequence(file_series(options.inputs), options.frames_per_second);
-  const TrackSetup setup = make_setup(options, sequence, sequence.frame(0).particles);
-  if (sequence.velocity() == ParticleSequence::Velocity::unknown) check_cloud_motion(sequence, setup.field);
-  const double setup_seconds = watch.seconds();
-  RunSummary summary = track_sequence(options, sequence, setup, guard);
-  summary.setup_seconds = setup_seconds;
-  summary.wall_seconds = watch.seconds();
-  if (!options.quiet)
-    fmt::print("{}", summary_text(summary, sequence.name(), setup.field, folder_for(options, sequence)));
-  if (summary.interrupted_by == 0) return 0;
-  fmt::print(stderr, "kappaflow: interrupted at t = {:.6g} s; {} frames are complete\n",
-             summary.interrupted_at, summary.frames.size());
-  return exit_code_after(summary.interrupted_by);
+  return run_outcome(begin(options, sequence, watch, guard), kTrackCommand, folder_for(options, sequence),
+                     options.quiet);
 }
 
 }  // namespace kappaflow

@@ -6,15 +6,16 @@
 #include <string>
 #include <vector>
 
+#include "core/saved_state.h"
 #include "surface/field/particle_weights.h"
 #include "tools/io/mesh_formats.h"
-#include "tools/io/particle_sequence.h"
-#include "tools/runs/summary.h"
 
 namespace kappaflow {
 
 struct TrackOptions {
-  std::vector<std::string> inputs;          ///< files, or shell patterns for them
+  /// Files, or shell patterns for them; of a run that is resumed: empty where they are where they were.
+  std::vector<std::string> inputs;
+  std::filesystem::path resume;             ///< folder of an interrupted run to go on with; empty: a new run
   std::filesystem::path folder;             ///< empty: out/<name of the series>
   std::vector<std::string> methods;         ///< empty: material, or regional for point clouds
   std::optional<double> frames_per_second;  ///< where the files hold no times
@@ -26,10 +27,19 @@ struct TrackOptions {
   bool force = false;                ///< replace a run that the folder already holds
   bool quiet = false;                ///< no progress, no summary
   std::vector<std::string> command;  ///< the command line, for run.json
+
+  /// See core/saved_state.h: what a resumed run takes over.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(inputs, methods, frames_per_second, sigma, threshold, weights, formats);
+  }
 };
 
-/// Tracks a sequence and writes a run folder. The files are all read and checked before anything is written;
-/// SIGINT and SIGTERM end it after the current step. Returns the exit code: 0, or 130 or 143 after a signal.
+/// Tracks a sequence and writes a run folder, with a checkpoint after every frame; or goes on with a run from
+/// its last frame as if it had never stopped: all files but run.json and timings.csv are the same bits. The
+/// particles are all read and checked before anything is written. SIGINT and SIGTERM end it after the current
+/// step. Returns the exit code: 0, or 130 or 143 after a signal. Throws InvalidInput for particles that are
+/// not those that the run began with.
 int track(const TrackOptions& options);
 
 }  // namespace kappaflow

@@ -66,7 +66,9 @@ TEST_F(CommandLine, MistakesAreOneLineAndExitCodeTwo) {
       {{"render", "out", "--up", "0,0,z"}, 2, "--up: found \"0,0,z\"; expected X,Y,Z"},
       {{"compare"}, 2, "DIR is required"},
       {{"compare", "/nowhere"}, 5, "/nowhere/run.json: cannot be read"},
-      {{"track"}, 2, "FILES is required; see kappaflow track --help"},
+      {{"track"}, 2, "FILES or --resume is required; see kappaflow track --help"},
+      {{"track", "--resume", "out", "--velocity", "total"}, 2, "--resume excludes --velocity"},
+      {{"track", "--resume", KAPPAFLOW_SOURCE_DIR}, 5, "holds no checkpoint to go on from"},
       {{"track", "a_*.vtk", "--fps", "0"}, 2, "--fps: found \"0\"; expected a number above 0"},
       {{"track", "a_*.vtk", "--sigma", "wide"}, 2, "--sigma: found \"wide\"; expected a number above 0"},
       {{"track", "a_*.vtk", "--velocity", "bogus"}, 2, "found \"bogus\"; expected one of "},
@@ -242,8 +244,9 @@ TEST_F(CommandLine, TrackSaysWhatItFoundAndRenderDrawsIt) {
     EXPECT_NE(result.out.find(part), std::string::npos) << part << "\n" << result.out;
   EXPECT_TRUE(std::filesystem::exists(folder / "tracked/surface-regional/surface_0002.obj"));
   EXPECT_FALSE(std::filesystem::exists(folder / "tracked/surface-regional/surface_0002.ply"));
-  expect_one_line(
-      {{"track", kFrames, "--fps", "25", "--out", out}, 2, "already holds a run; --force replaces it"});
+  expect_one_line({{"track", kFrames, "--fps", "25", "--out", out},
+                   2,
+                   "already holds a run; kappaflow track --resume goes on with it, --force replaces it"});
   const ProgramResult drawn = run_program({"render", out, "--out", (folder / "a.png").string()});
   EXPECT_EQ(drawn.exit_code, 0) << drawn.err;
   EXPECT_EQ(bytes_of(folder / "a.png").substr(0, 4), "\x89PNG");

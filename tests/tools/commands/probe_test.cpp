@@ -98,7 +98,7 @@ TEST_F(Probe, CsvAndVtpAgree) {
   const Particles particles{0, {0, 1}, {{0, 0.125, 0}, {0.25, 0, 0.5}}, {{1, 0.5, 0}, {0, -1, 0.25}}};
   const std::vector<float> none(2, 0);
   const std::vector<double> weight{1, 0.5};
-  write_vtp(folder / "a.vtp", *particle_data({particles, none, none, {}, weight, 0.75}));
+  write_vtp(folder / "a.vtp", *particle_data({particles, none, none, {}}, weight, 0.75));
   const auto points = file("points.csv", "x,y,z\n0.1,0.2,0.3\n0.3,0.1,0.2\n");
   EXPECT_EQ(probe({csv, points, 0.1, {"material"}}), probe({folder / "a.vtp", points, 0.1, {"material"}}));
 }

@@ -14,6 +14,7 @@
 #include "tests/tools/full_disk.h"
 #include "tests/tools/program.h"
 #include "tests/tools/scratch.h"
+#include "tests/tools/sequence_files.h"
 #include "tests/tools/text_table.h"
 #include "tests/vtk_reader.h"
 
@@ -44,7 +45,7 @@ class Reliability : public Scratch {
                      std::mt19937& random) const {
     std::uniform_real_distribution<double> after(0, 0.6 * whole);
     for (int stops = 0;; ++stops) {
-      std::vector<std::string> command{"run", "--resume", out.string()};
+      std::vector<std::string> command{words.front(), "--resume", out.string()};
       if (!fs::exists(out / "checkpoint.bin")) {
         command = words;
         command.emplace_back("--force");
@@ -123,6 +124,85 @@ TEST_F(Reliability, SignalsBetweenFramesLeaveTheWholeStateToGoOnFrom) {
   const ProgramResult again = run_program({"run", "--resume", (folder / "stopped").string()});
   EXPECT_EQ(again.exit_code, 0) << again.err;
   EXPECT_EQ(again.out, (folder / "stopped").string() + ": the run is complete, 6 frames\n");
+}
+
+/// Another program's particles: a block that moves and turns, without times.
+class TrackReliability : public Reliability {
+ protected:
+  static constexpr int kFrames = 30;
+
+  void SetUp() override {
+    Reliability::SetUp();
+    fs::create_directory(folder / "in");
+    for (int k = 0; k < kFrames; ++k)
+      file(fmt::format("in/p_{}.csv", k), csv_text(moved_block(kBodyMotion, 0.1 * k), true, true));
+  }
+  std::vector<std::string> words_to_track(const fs::path& out) const {
+    return {"track",      (folder / "in/p_*.csv").string(),
+            "--out",      out.string(),
+            "--fps",      "10",
+            "--velocity", "material,regional",
+            "--format",   "ply"};
+  }
+  /// A run that was stopped after its first frame.
+  fs::path stopped_track() const {
+    const fs::path out = folder / "stopped";
+    const ProgramResult result = run_program(words_to_track(out), {}, {SIGINT, out / "checkpoint.bin"});
+    EXPECT_EQ(result.exit_code, 130) << result.err;
+    EXPECT_TRUE(result.err.ends_with("; kappaflow track --resume " + out.string() + " goes on\n"))
+        << result.err;
+    return out;
+  }
+};
+
+TEST_F(TrackReliability, StoppedRunsGoOnToTheSameBits) {
+  const double whole = run_whole(words_to_track(folder / "whole"));
+  std::mt19937 random(3);
+  for (const int signal : {SIGKILL, SIGTERM}) {
+    const fs::path out = folder / fmt::format("stopped by {}", signal);
+    for (int stops = 0; stops == 0;) {
+      fs::remove_all(out);
+      stops = run_with_stops(words_to_track(out), out, signal, whole, random);
+    }
+    expect_same_results(folder / "whole", out);
+  }
+  const std::string complete = (folder / fmt::format("stopped by {}", SIGTERM)).string();
+  const ProgramResult again = run_program({"track", "--resume", complete});
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(again.out, fmt::format("{}: the run is complete, {} frames\n", complete, kFrames));
+}
+
+TEST_F(TrackReliability, OtherParticlesAreNotResumed) {
+  const fs::path out = stopped_track(), last = folder / fmt::format("in/p_{}.csv", kFrames - 1);
+  const std::string text = bytes_of(last);
+  Particles other = moved_block(kBodyMotion, 0.1 * (kFrames - 1));
+  other.velocity.back().x() += 1e-6;
+  std::ofstream(last) << csv_text(other, true, true);
+  const ProgramResult changed = run_program({"track", "--resume", out.string()});
+  EXPECT_EQ(changed.exit_code, 2);
+  EXPECT_EQ(changed.err, "kappaflow: error: p: the particles are not those that the run in " + out.string() +
+                             " began with\n");
+  fs::remove(last);
+  const ProgramResult missing = run_program({"track", "--resume", out.string()});
+  EXPECT_EQ(missing.exit_code, 5);
+  EXPECT_EQ(missing.err, "kappaflow: error: " + last.string() + ": there is no such file\n");
+  std::ofstream(last) << text;
+  const ProgramResult run = run_program({"run", "--resume", out.string()});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_EQ(run.err, "kappaflow: error: " + out.string() + ": kappaflow track --resume goes on with it\n");
+}
+
+TEST_F(TrackReliability, ParticlesMayHaveMoved) {
+  run_whole(words_to_track(folder / "whole"));
+  const fs::path out = stopped_track();
+  fs::rename(folder / "in", folder / "moved");
+  const ProgramResult result =
+      run_program({"track", (folder / "moved/p_*.csv").string(), "--resume", out.string(), "--threads", "1"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(bytes_of(out / "run.json").find("\"resumed\""), std::string::npos);
+  fs::remove(out / "checkpoint.bin");  // it names the files where they are now
+  fs::remove(folder / "whole/checkpoint.bin");
+  expect_same_results(folder / "whole", out);
 }
 
 // Ten times the frames to the same moment; a mesh that is left alone has the same size in both.

@@ -8,9 +8,9 @@
 #include <map>
 #include <set>
 
-#include "tests/tools/program.h"
 #include "core/text_hash.h"
 #include "scenes/estimate.h"
+#include "tests/tools/program.h"
 #include "tests/tools/scratch.h"
 #include "tests/tools/text_table.h"
 #include "tests/vtk_reader.h"

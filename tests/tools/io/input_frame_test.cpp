@@ -85,7 +85,7 @@ TEST_F(InputFrames, EveryFormatHoldsTheSameParticles) {
   const std::vector<double> weight(body.size(), 1);
   std::vector<int> source(body.size(), -1);
   source[5] = 12;
-  write_vtp(folder / "kappaflow.vtp", *particle_data({body, density, pressure, source, weight, 0.2}));
+  write_vtp(folder / "kappaflow.vtp", *particle_data({body, density, pressure, source}, weight, 0.2));
   const std::vector<std::pair<fs::path, Particles>> files{
       {folder / "kappaflow.vtp", body},
       {file("splishsplash.vtk", splishsplash_text(shuffled)), shuffled},

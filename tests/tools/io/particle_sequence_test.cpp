@@ -52,6 +52,20 @@ TEST_F(Sequence, PermutedIdsAreSorted) {
     EXPECT_EQ(note.find("velocities and displacements fit"), std::string::npos) << "the rate is right";
 }
 
+TEST_F(Sequence, HashTellsParticlesApart) {
+  const auto hash_of = [&](double moved) {
+    for (const int k : {0, 1}) {
+      Particles body = moved_block(kBodyMotion, 0.1 * k);
+      if (k == 1) body.position[7].z() += moved;
+      file(fmt::format("p_{}.csv", k), csv_text(body, true, true));
+    }
+    return ParticleSequence(series("p_*.csv"), 10).hash();
+  };
+  const std::string hash = hash_of(0);
+  EXPECT_EQ(hash, hash_of(0));
+  EXPECT_NE(hash, hash_of(1e-12));
+}
+
 /// A legacy VTK file of four particles with ids 3, 2, 1, 0 and these sources.
 std::string four_with_sources(const std::string& sources) {
   return "# vtk DataFile Version 3.0\nfour\nASCII\nDATASET POLYDATA\nPOINTS 4 double\n"
@@ -207,7 +221,7 @@ TEST_F(Sequence, FramesThatDoNotFitTogetherAreSaid) {
     at.time = time;
     const std::vector<double> weight(body.size(), 1);
     write_vtp(folder / fmt::format("t_{}.vtp", time < 0.5 ? 1 : 0),
-              *particle_data({at, {}, {}, {}, weight, 0.2}));
+              *particle_data({at, {}, {}, {}}, weight, 0.2));
   }
   EXPECT_EQ(complaint("t_*.vtp"),
             path("t_1.vtp") + ": its time, 0.25 s, is not after that of the file before, 0.5 s");

@@ -135,7 +135,7 @@ TEST_F(DataFiles, ParticlesAreVerticesWithTheirArrays) {
   const std::vector<float> density{1000, 1001}, pressure{0, 250};
   const std::vector<int> source{2, 0};
   const std::vector<double> weight{1, 1.0 / 3};
-  const auto data = written_and_read(particle_data({particles, density, pressure, source, weight, 0.1}));
+  const auto data = written_and_read(particle_data({particles, density, pressure, source}, weight, 0.1));
   vtkPointData& arrays = *data->GetPointData();
   expect_array(arrays, "velocity", VTK_FLOAT, 3);
   expect_array(arrays, "density", VTK_FLOAT, 1);

@@ -33,7 +33,7 @@ void expect_same(const Simulation& one, const Simulation& other) {
   }
 }
 
-void expect_same(const SinceFrame& one, const SinceFrame& other) {
+void expect_same(const SimulationReport& one, const SimulationReport& other) {
   EXPECT_EQ(one.density_error_mean, other.density_error_mean);
   EXPECT_EQ(one.density_error_max, other.density_error_max);
   ASSERT_EQ(one.surfaces.size(), other.surfaces.size());
@@ -65,8 +65,8 @@ TEST_F(Simulations, SavedAndReadBackAfterEveryStepAreTheSame) {
       ++steps;
     }
     expect_same(whole, *saved);
-    const SinceFrame since = whole.take_since_frame();
-    expect_same(since, saved->take_since_frame());
+    const SimulationReport since = whole.take_report();
+    expect_same(since, saved->take_report());
     for (const TrackerStep& surface : since.surfaces) topology_changes += surface.topology.replaced;
     if (HasFailure()) break;
   }

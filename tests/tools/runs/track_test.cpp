@@ -116,10 +116,9 @@ double largest_difference(vtkPolyData& surface, const TriangleMesh& mesh, vtkIdT
 }
 
 TEST_F(Track, EveryFormatGivesTheMotionOfTheBody) {
-  const std::vector<float> none;
   const auto vtp = [&](const Particles& p, int) {
     write_vtp(folder / "particles.vtp",
-              *particle_data({p, none, none, {}, std::vector<double>(p.size(), 1), kSigma}));
+              *particle_data({p, {}, {}, {}}, std::vector<double>(p.size(), 1), kSigma));
     return bytes_of(folder / "particles.vtp");
   };
   write_sequence("vtp", kBodyMotion, 0.1, vtp);
@@ -163,7 +162,7 @@ TEST_F(Track, SourcesOfTheParticlesStayWithTheVertices) {
   for (const Vec3& x : start.position) source.push_back(x.x() + x.y() < 0.1 ? 3 : 8);
   for (int k = 0; k < kFrames; ++k)
     write_vtp(folder / fmt::format("p_{}.vtp", k),
-              *particle_data({moved_block(kBodyMotion, 0.1 * k), {}, {}, source, {}, 0}));
+              *particle_data({moved_block(kBodyMotion, 0.1 * k), {}, {}, source}));
   ASSERT_EQ(track(options("p_*.vtp", {"material"})), 0);
 
   const auto first = surface("material", 0), last = surface("material", kFrames - 1);

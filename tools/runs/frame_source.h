@@ -1,0 +1,64 @@
+// Where the frames of a run come from: particles in motion with tracked surfaces on them.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/saved_state.h"
+#include "core/solids.h"
+#include "surface/measure/material_tracers.h"
+#include "surface/tracker/tracked_surfaces.h"
+#include "tools/io/particle_frame.h"
+#include "tools/runs/metrics.h"
+
+namespace kappaflow {
+
+/// What there is to write of a frame beside its surfaces, and what happened since the frame before.
+struct FrameReport {
+  ParticleFrame particles;
+  FrameMetrics metrics;                ///< without the isosurface
+  std::vector<TriangleSurface> walls;  ///< where they are in this frame; empty where they never move
+  std::vector<TrackerStep> steps;      ///< of each surface
+  double liquid_seconds = 0;           ///< wall time
+  double tracer_seconds = 0;           ///< likewise
+};
+
+/// A simulation, or the files of another program's. Frame 0 is there from the start.
+class FrameSource {
+ public:
+  virtual ~FrameSource() = default;
+
+  virtual int last_frame() const = 0;
+  virtual double time_of(int frame) const = 0;  ///< [s]
+
+  /// Gets ready to go to the frame after the one that is reached. Throws InvalidInput or IoError where it
+  /// cannot be read.
+  virtual void prepare(int /*frame*/) {}
+  /// Called after every step with what else there is to say of it; returns whether to go on.
+  using Watch = std::function<bool(const std::string& detail)>;
+  /// Goes to the frame that it is prepared for. Returns false when `watch` stopped it on the way.
+  virtual bool advance(int frame, const Watch& watch) = 0;
+  /// Whether what was stopped on the way can be saved and gone on with.
+  virtual bool saves_between_frames() const = 0;
+
+  virtual double time() const = 0;        ///< that is reached [s]
+  virtual std::size_t steps() const = 0;  ///< so far
+  virtual const TrackedSurfaces& surfaces() const = 0;
+  virtual const MaterialTracers& tracers() const = 0;
+  virtual std::vector<TriangleSurface> walls_at_rest() const { return {}; }
+
+  /// Of the frame that is reached; once a frame.
+  virtual FrameReport take_report(int frame) = 0;
+
+  /// Sees to it that the particles of a failure are in a file, `file` where they are in none, and says so.
+  virtual std::string kept_particles(const std::filesystem::path& file) const = 0;
+
+  /// See core/saved_state.h; for a source that was made with the same arguments.
+  virtual void write_state(StateWriter& archive) = 0;
+  virtual void read_state(StateReader& archive) = 0;
+};
+
+}  // namespace kappaflow

@@ -1,0 +1,77 @@
+#include "tools/runs/scene_frames.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/errors.h"
+#include "tools/io/vtp_files.h"
+#include "tools/runs/liquid_metrics.h"
+
+namespace kappaflow {
+
+int last_frame_of(const Scene& scene) {
+  return static_cast<int>(std::ceil(scene.duration * scene.output.frames_per_second - 1e-9));
+}
+
+SceneFrames::SceneFrames(PreparedScene prepared)
+    : scene_(prepared.scene), simulation_(std::move(prepared)), wall_distance_(simulation_.walls()) {}
+
+double SceneFrames::time_of(int frame) const {
+  return std::min(frame / scene_.output.frames_per_second, scene_.duration);
+}
+
+bool SceneFrames::advance(int frame, const Watch& watch) {
+  return simulation_.advance(time_of(frame), [&](const FluidStep& step) {
+    return watch(fmt::format("pressure {}, viscosity {}",
+                             step.density_iterations + step.divergence_iterations,
+                             step.viscosity_iterations));
+  });
+}
+
+std::vector<TriangleSurface> SceneFrames::walls_at_rest() const {
+  if (any_moves(simulation_.walls())) return {};
+  return surfaces_of(simulation_.walls());
+}
+
+FrameReport SceneFrames::take_report(int frame) {
+  FrameReport report;
+  FrameMetrics& metrics = report.metrics;
+  metrics.frame = frame;
+  metrics.time = time_of(frame);
+  if (any_moves(simulation_.walls())) {
+    const std::vector<SolidWall> walls = walls_at(metrics.time, simulation_.walls());
+    wall_distance_ = WallDistance(walls);
+    report.walls = surfaces_of(walls);
+  }
+  report.particles = particles();
+  const SimulationReport since = simulation_.take_report();
+  metrics.particles = report.particles.particles.size();
+  metrics.penetration_max =
+      penetration_max(report.particles.particles.position, wall_distance_, scene_.fluid.spacing);
+  const Compression now = compression(report.particles.density, scene_.fluid.density);
+  metrics.density_error_mean = std::max(now.mean, since.density_error_mean);
+  metrics.density_error_max = std::max(now.max, since.density_error_max);
+  report.steps = since.surfaces;
+  report.liquid_seconds = since.solver_seconds;
+  report.tracer_seconds = since.tracer_seconds;
+  return report;
+}
+
+ParticleFrame SceneFrames::particles() const {
+  const FluidSolver& fluid = simulation_.fluid();
+  return {fluid.particles(), fluid.densities(), fluid.pressures(), fluid.sources()};
+}
+
+std::string SceneFrames::kept_particles(const std::filesystem::path& file) const {
+  try {
+    write_vtp(file, *particle_data(particles()));
+  } catch (const IoError& error) {
+    return fmt::format("its particles are lost: {}", error.what());
+  }
+  return fmt::format("its particles are in {}", file.string());
+}
+
+}  // namespace kappaflow

@@ -1,0 +1,45 @@
+// The frames of a simulated scene.
+#pragma once
+
+#include <vector>
+
+#include "scenes/prepared_scene.h"
+#include "scenes/wall_distance.h"
+#include "tools/runs/frame_source.h"
+#include "tools/runs/simulation.h"
+
+namespace kappaflow {
+
+/// The number of a scene's last frame, which falls on its duration even where that is no multiple of the
+/// frame time.
+int last_frame_of(const Scene& scene);
+
+class SceneFrames final : public FrameSource {
+ public:
+  /// As Simulation.
+  explicit SceneFrames(PreparedScene prepared);
+
+  int last_frame() const override { return last_frame_of(scene_); }
+  double time_of(int frame) const override;
+  bool advance(int frame, const Watch& watch) override;
+  bool saves_between_frames() const override { return true; }
+  double time() const override { return simulation_.fluid().time(); }
+  std::size_t steps() const override { return simulation_.fluid().steps(); }
+  const TrackedSurfaces& surfaces() const override { return simulation_.surfaces(); }
+  const MaterialTracers& tracers() const override { return simulation_.tracers(); }
+  std::vector<TriangleSurface> walls_at_rest() const override;
+  const Scene& scene() const { return scene_; }
+  FrameReport take_report(int frame) override;
+  std::string kept_particles(const std::filesystem::path& file) const override;
+  void write_state(StateWriter& archive) override { archive(simulation_); }
+  void read_state(StateReader& archive) override { archive(simulation_); }
+
+ private:
+  ParticleFrame particles() const;
+
+  Scene scene_;
+  Simulation simulation_;
+  WallDistance wall_distance_;  // where the walls are in the frame
+};
+
+}  // namespace kappaflow

@@ -1,0 +1,56 @@
+#include "tools/runs/sequence_frames.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "core/stopwatch.h"
+
+namespace kappaflow {
+
+SequenceFrames::SequenceFrames(ParticleSequence& sequence, const SurfaceOptions& options)
+    : sequence_(sequence),
+      now_(sequence.frame(0)),
+      surfaces_(now_.particles, sequence.frame(1).particles, options),
+      tracers_(surfaces_.mesh().position),
+      time_(sequence.time(0)) {
+  surfaces_.find_sources(now_.source);
+}
+
+void SequenceFrames::prepare(int frame) {
+  next_ = sequence_.frame(frame);
+  prepared_for_ = frame;
+  steps_to_next_ = surfaces_.steps_to(next_.particles);
+}
+
+bool SequenceFrames::advance(int /*frame*/, const Watch& watch) {
+  const std::string detail = fmt::format("{} steps a frame", steps_to_next_);
+  const bool arrived = surfaces_.step(next_.particles, [&](FieldMotion& step) {
+    tracer_seconds_ += seconds_of([&] { tracers_.step(step); });
+    time_ = step.t1();
+    ++steps_;
+    return watch(detail);
+  });
+  if (!arrived) return false;
+  surfaces_.settle();
+  now_ = std::move(next_);
+  surfaces_.find_sources(now_.source);
+  return true;
+}
+
+FrameReport SequenceFrames::take_report(int frame) {
+  FrameReport report;
+  report.metrics.frame = frame;
+  report.metrics.time = time_of(frame);
+  report.metrics.particles = now_.particles.size();
+  report.particles = now_;
+  report.steps = surfaces_.take_report();
+  report.tracer_seconds = std::exchange(tracer_seconds_, 0);
+  return report;
+}
+
+std::string SequenceFrames::kept_particles(const std::filesystem::path& /*file*/) const {
+  return fmt::format("its particles are in {}", sequence_.file(prepared_for_).string());
+}
+
+}  // namespace kappaflow
