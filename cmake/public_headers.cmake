@@ -1,8 +1,9 @@
 # What programs of others may include, as <kappaflow/core/types.h> and so on (tools/io as <kappaflow/io>). docs/api.md names
 # each of them, which tests/api.cmake checks; a public header includes public headers only, which install_headers.cmake does.
 set(KAPPAFLOW_PUBLIC_HEADERS
-    core/body_motion.h core/bytes.h core/cell_grid.h core/connectivity.h core/errors.h core/named.h core/parallel.h
-    core/particles.h core/types.h core/whole_within.h
+    core/body_motion.h core/bytes.h core/cell_grid.h core/connectivity.h core/errors.h core/named.h
+    core/nearest_on_triangle.h core/parallel.h core/particles.h core/solid_distance.h core/solid_wall.h core/solids.h
+    core/triangle_tree.h core/types.h core/whole_within.h
     surface/field/field.h surface/field/jet.h surface/field/particle_field.h surface/field/particle_motion.h
     surface/field/particle_weights.h surface/field/projection.h surface/field/time_integrator.h
     surface/mesh/isosurface.h surface/mesh/mesh_measures.h surface/mesh/triangle_mesh.h surface/mesh/vertex_arrays.h
@@ -15,5 +16,5 @@ set(KAPPAFLOW_PUBLIC_HEADERS
     surface/tracker/fairing_options.h surface/tracker/surface_tracker.h surface/tracker/tracked_surfaces.h
     surface/tracker/tracker_options.h
     solver/emitter.h solver/fluid_solver.h solver/options.h
-    scenes/scene.h scenes/view.h
+    scenes/estimate.h scenes/prepared_scene.h scenes/scene.h scenes/view.h
     tools/io/files.h tools/io/particle_frame.h tools/io/pvd.h tools/io/vtp_files.h)

@@ -62,7 +62,8 @@ class FluidSolver {
   /// Advances by one adaptive time step, not longer than time_left [s].
   /// Throws SolverFailure when a number is not finite, when the step would have to be shorter than
   /// min_time_step, when a solver is far from converged at its last iteration, or when it would move a
-  /// particle by ten spacings.
+  /// particle by ten spacings. After an exception particles() and the like say where it failed, but the
+  /// solver can go no further.
   FluidStep step(double time_left);
 
   double time() const;          ///< [s]

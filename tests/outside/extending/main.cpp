@@ -61,7 +61,7 @@ bool temperatures_stay() {
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
     warm.array<double>("temperature")[v] = 20 + 10 * mesh.rest_position[v].y();
   const std::int64_t first_born = mesh.next_id;
-  for (int frame = 1; frame <= 40; ++frame) warm.advance(turning_box(0.05 * frame));
+  for (int frame = 1; frame <= 100; ++frame) warm.advance(turning_box(0.05 * frame));
 
   double error = 0;
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
