@@ -81,7 +81,9 @@ TEST(PreparedScene, WallsAndTheirSolidsAreThoseOfTheScene) {
 
 TEST(PreparedScene, CopiesOfAWallShareItsSolids) {
   const auto walls = solid_walls(std::vector{box_surface({Vec3(0, 0, 0), Vec3(1, 1, 1)})});
-  const std::vector<SolidWall> copies = walls, later = walls_at(3, walls);
+  std::vector<SolidWall> copies;
+  copies.push_back(walls[0]);
+  const std::vector<SolidWall> later = walls_at(3, walls);
   EXPECT_EQ(copies[0].solids().data(), walls[0].solids().data());
   EXPECT_EQ(later[0].solids().data(), walls[0].solids().data()) << "it is at rest";
 }
