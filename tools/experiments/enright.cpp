@@ -7,8 +7,8 @@
 #include <functional>
 
 #include "scenes/toml_reader.h"
-#include "surface/field/runge_kutta.h"
 #include "surface/field/particle_motion.h"
+#include "surface/field/runge_kutta.h"
 #include "surface/mesh/mesh_measures.h"
 #include "surface/motion/velocity_methods.h"
 #include "surface/remesh/initial_mesh.h"
