@@ -25,8 +25,9 @@ void for_each_half_edge(std::span<const Triangle> triangles, const Visit& visit)
 }
 
 /// How half-edges are sorted by the lower end of their edge, by its higher end and by number: into buckets by
-/// the lower end, and in each by a key of all the rest. There are no more buckets than half-edges, so the
-/// cost does not depend on the vertices' numbers; in a whole mesh every vertex has a bucket of its own.
+/// the lower end, and in each by a key of all the rest. There are half as many buckets as half-edges at most,
+/// so the cost does not depend on the vertices' numbers; in a whole mesh every vertex has a bucket of its
+/// own.
 class SideOrder {
  public:
   explicit SideOrder(std::span<const Triangle> triangles) : least_(triangles[0][0]) {
@@ -38,14 +39,14 @@ class SideOrder {
       }
     range_ = offset(most);
     const auto n = static_cast<std::uint32_t>(3 * triangles.size());
-    shift_ = std::bit_width(range_ / n);
+    shift_ = std::bit_width(range_ / (n / 2));
     high_bits_ = std::bit_width(range_);
     number_bits_ = std::bit_width(n - 1);
   }
 
   std::size_t buckets() const { return (range_ >> shift_) + 1; }
   std::size_t bucket(int u, int v) const { return offset(std::min(u, v)) >> shift_; }
-  /// Of 63 bits at most: 2^shift is 1 or at most 2 range / n, and range < 2^31.
+  /// Of 64 bits at most: 2^shift is 1 or at most 4 range / n, and range < 2^31.
   std::uint64_t key(int u, int v, int h) const {
     const std::uint64_t low = offset(std::min(u, v)) & ((1u << shift_) - 1), high = offset(std::max(u, v));
     return (low << high_bits_ | high) << number_bits_ | static_cast<std::uint32_t>(h);
@@ -99,9 +100,9 @@ std::vector<Edge> open_edges(std::span<const Triangle> triangles) {
   for (std::size_t e = 0; e < sides.edges(); ++e) {
     const std::span<const int> along = sides.of(e);
     const int u = origin_of(triangles, along[0]);
+    if (along.size() == 2 && origin_of(triangles, along[1]) != u) continue;
     const auto from_u = std::ranges::count_if(along, [&](int h) { return origin_of(triangles, h) == u; });
     const auto surplus = 2 * from_u - std::ssize(along);
-    if (surplus == 0) continue;
     const int v = end_of(triangles, along[0]);
     open.insert(open.end(), static_cast<std::size_t>(std::abs(surplus)),
                 surplus > 0 ? Edge{u, v} : Edge{v, u});
@@ -116,6 +117,7 @@ void EdgeSides::assign(std::span<const Triangle> triangles) {
   start_.assign(1, 0);
   half_edge_.resize(3 * triangles.size());
   if (triangles.empty()) return;
+  start_.reserve(half_edge_.size() / 2 + 1);
   const SideOrder order(triangles);
   bucket_.assign(order.buckets() + 2, 0);
   for_each_half_edge(triangles, [&](int u, int v, int) { ++bucket_[order.bucket(u, v) + 2]; });

@@ -122,7 +122,7 @@ TEST(Connectivity, DoesNotDependOnTheNumbersOfVertices) {
     far[0] = std::min(far[0], 0);
     std::vector<int> renumbered;
     for (const int v : near) renumbered.push_back(far[v]);
-    for (const std::size_t size : {130u, 50u, 7u}) {
+    for (const std::size_t size : {130u, 50u, 7u, 4u, 1u}) {
       std::mt19937 same(2), again(2);
       std::vector<Triangle> a = closed_mesh(same, near), b = closed_mesh(again, renumbered);
       a.resize(size);
