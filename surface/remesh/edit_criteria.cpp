@@ -1,8 +1,8 @@
 #include "surface/remesh/edit_criteria.h"
 
-#include <Eigen/Geometry>
 #include <array>
 
+#include "core/triangle_geometry.h"
 #include "surface/mesh/self_intersection.h"
 
 namespace kappaflow {
@@ -43,7 +43,7 @@ std::vector<int> fan_triangles(const RemeshState& state, int v) {
 }
 
 Vec3 triangle_normal(const RemeshState& state, int a, int b, int c) {
-  return (state.at(b) - state.at(a)).cross(state.at(c) - state.at(a)).normalized();
+  return twice_area_vector(state.at(a), state.at(b), state.at(c)).normalized();
 }
 
 bool is_off(const RemeshSetting& setting, const Vec3& centroid) {

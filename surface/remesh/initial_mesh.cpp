@@ -2,10 +2,10 @@
 // without its splits: a lattice gives no long edges.
 #include "surface/remesh/initial_mesh.h"
 
-#include <Eigen/Geometry>
 #include <cmath>
 
 #include "core/parallel.h"
+#include "core/triangle_geometry.h"
 #include "surface/mesh/isosurface.h"
 #include "surface/mesh/mesh_edits.h"
 #include "surface/mesh/mesh_measures.h"
@@ -17,7 +17,7 @@ constexpr double kShortEdge = 0.6, kLongEdge = 1.4;  // in spacings
 constexpr int kRounds = 4, kFlipPasses = 10, kSmoothingPasses = 5;
 
 Vec3 area_vector(const TriangleMesh& mesh, int a, int b, int c) {
-  return (mesh.position[b] - mesh.position[a]).cross(mesh.position[c] - mesh.position[a]);
+  return twice_area_vector(mesh.position[a], mesh.position[b], mesh.position[c]);
 }
 
 /// Whether the triangles of v without `other` stand the move of v to target: none turns by a right angle.
@@ -28,7 +28,7 @@ bool allows_move(const MeshEdits& edits, const TriangleMesh& mesh, int v, int ot
     const int b = edits.end(h), c = edits.apex(h);
     if (b == other || c == other) return;
     const Vec3 &at_b = mesh.position[b], &at_c = mesh.position[c];
-    allowed = allowed && (at_b - target).cross(at_c - target).dot(area_vector(mesh, v, b, c)) > 0 &&
+    allowed = allowed && twice_area_vector(target, at_b, at_c).dot(area_vector(mesh, v, b, c)) > 0 &&
               (at_b - target).norm() <= longest && (at_c - target).norm() <= longest;
   });
   return allowed;

@@ -1,6 +1,5 @@
 #include "surface/topology/patch.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -8,6 +7,7 @@
 #include "core/connectivity.h"
 #include "core/nearest_on_triangle.h"
 #include "core/parallel.h"
+#include "core/triangle_geometry.h"
 #include "surface/topology/disagreement.h"
 #include "surface/topology/triangle_bins.h"
 
@@ -51,7 +51,7 @@ std::vector<Triangle> away_from_kept(const LocalIsosurface& iso, const TriangleM
       const auto& [a, b, c] = mesh.triangles[t];
       const std::array<Vec3, 3> at{mesh.position[a], mesh.position[b], mesh.position[c]};
       return (nearest_on_triangle(at, iso.position[v]).point - iso.position[v]).norm() <= gap &&
-             (at[1] - at[0]).cross(at[2] - at[0]).normalized().dot(normal) > kSameSide;
+             twice_area_vector(at[0], at[1], at[2]).normalized().dot(normal) > kSameSide;
     });
   });
   std::vector<Triangle> patch;

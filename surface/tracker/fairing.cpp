@@ -8,6 +8,7 @@
 
 #include "core/connectivity.h"
 #include "core/parallel.h"
+#include "core/triangle_geometry.h"
 
 namespace kappaflow {
 namespace {
@@ -60,7 +61,7 @@ bool is_folded(const VertexRings& rings, std::span<const int> third_corner, cons
   const std::vector<Vec3>& position = mesh.position;
   for (int k = rings.start[v]; k < rings.start[v + 1]; ++k) {
     const int b = rings.neighbour[k], c = third_corner[k];
-    const Vec3 outward = (position[b] - position[v]).cross(position[c] - position[v]);
+    const Vec3 outward = twice_area_vector(position[v], position[b], position[c]);
     if (outward.dot(mesh.gradient[v] + mesh.gradient[b] + mesh.gradient[c]) > 0) return true;
   }
   return false;
