@@ -151,7 +151,7 @@ Jet ParticleField::jet(const Vec3& x, StrainResponse& strain) const {
       strain_sums.add(hits, first);
     }
   });
-  const Jet jet = sums.jet(threshold_, cloud_speed_);
+  Jet jet = sums.jet(threshold_, cloud_speed_);
   strain = strain_sums.response(jet);
   return jet;
 }

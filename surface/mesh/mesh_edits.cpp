@@ -232,7 +232,7 @@ std::vector<int> MeshEdits::misfits(std::span<const int> removed, std::span<cons
   std::vector<int> found;
   for (std::size_t t = first_added; t < all.size(); ++t)
     for (int h = static_cast<int>(3 * t); h < static_cast<int>(3 * t + 3); ++h) {
-      const auto [first, last] = std::ranges::equal_range(corners, origin_of(all, h));
+      const auto [first, last] = std::equal_range(corners.begin(), corners.end(), origin_of(all, h));
       if (twin[h] >= 0 && is_one_fan(twin, h, last - first)) continue;
       found.push_back(static_cast<int>(t - first_added));
       break;

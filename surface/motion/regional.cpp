@@ -111,7 +111,7 @@ Window sufficient_window(const Vec3& x, int v, const LocalMotion& local, const P
                          SampleWalk& walk) {
   const double scale = local.length_scale[v];
   for (double radius = kRadius * scale;; radius *= kRadiusGrowth) {
-    const Window window = window_at(x, v, radius, local, patches, walk);
+    Window window = window_at(x, v, radius, local, patches, walk);
     if (window.fit.determined >= kDetermined || radius * kRadiusGrowth > kLargestRadius * scale)
       return window;
   }
