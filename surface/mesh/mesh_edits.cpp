@@ -44,6 +44,7 @@ void MeshEdits::finish() {
   for (std::size_t v = 0; v < out_.size(); ++v) alive_[v] = out_[v] >= 0;
   remove_dead(alive_, *mesh_, history_);
   mesh_ = nullptr;
+  guard_ = nullptr;
 }
 
 int MeshEdits::valence(int v) const {
@@ -205,6 +206,23 @@ void MeshEdits::discard_tried() {
   mesh_->unprojected.resize(out_.size());
 }
 
+/// Whether each edge along which removed triangles border on others is there again.
+bool MeshEdits::closes_rim(std::span<const int> removed, std::span<const Triangle> added) const {
+  std::vector<int> gone(removed.begin(), removed.end());
+  std::ranges::sort(gone);
+  std::vector<std::pair<int, int>> edges;
+  for (const Triangle& t : added)
+    for (int c = 0; c < 3; ++c) edges.emplace_back(t[c], t[(c + 1) % 3]);
+  std::ranges::sort(edges);
+  return std::ranges::all_of(gone, [&](int t) {
+    for (int h = 3 * t; h < 3 * t + 3; ++h)
+      if (!std::ranges::binary_search(gone, twin_[h] / 3) &&
+          !std::ranges::binary_search(edges, std::pair(origin(h), end(h))))
+        return false;
+    return true;
+  });
+}
+
 /// The triangles at corners of the added ones that are not removed.
 std::vector<Triangle> MeshEdits::staying_around(std::span<const int> removed,
                                                 std::span<const Triangle> added) const {
@@ -242,7 +260,7 @@ std::vector<int> MeshEdits::misfits(std::span<const int> removed, std::span<cons
 
 bool MeshEdits::exchange(std::span<const int> removed, std::span<const Triangle> added,
                          std::span<const VertexBlend> from) {
-  if (!misfits(removed, added).empty()) return false;
+  if (!closes_rim(removed, added) || !misfits(removed, added).empty()) return false;
   const std::size_t first_tried = out_.size();
   for (std::size_t v = first_tried; v < mesh_->vertex_count(); ++v)
     complete_vertex(*mesh_, v, from.empty() ? nullptr : &from[v - first_tried]);

@@ -81,14 +81,14 @@ class MeshEdits {
   std::size_t first_tried() const { return out_.size(); }
   /// Takes the vertices on trial away.
   void discard_tried();
-  /// Of the triangles to be added in exchange for those removed, by number, ascending, those with which the
-  /// mesh would not be closed, oriented and manifold. Corners are vertices of the mesh or on trial.
+  /// Of the triangles to be added in exchange for those removed, those with which the mesh would not be
+  /// closed, oriented and manifold, by number, ascending. Corners are vertices of the mesh or on trial.
   std::vector<int> misfits(std::span<const int> removed, std::span<const Triangle> added) const;
-  /// Takes triangles out and puts others in; makes the vertices on trial vertices of the mesh, from[i] the
-  /// i-th of them; empty: all from nowhere. The guard is not asked: this is how the topology changes. Refused
-  /// where there are misfits().
-  bool exchange(std::span<const int> removed, std::span<const Triangle> added,
-                std::span<const VertexBlend> from);
+  /// Takes triangles out and puts others in; makes the vertices on trial vertices of the mesh, from[i] saying
+  /// where the i-th of them comes from; empty: all from nowhere. The guard is not asked: this is how the
+  /// topology changes. Refused where there are misfits(), or the rim of what is taken out stays open.
+  [[nodiscard]] bool exchange(std::span<const int> removed, std::span<const Triangle> added,
+                              std::span<const VertexBlend> from);
   /// Drops what exchange() took out from the mesh's triangles, which renumbers them.
   void drop_removed_triangles();
 
@@ -104,6 +104,7 @@ class MeshEdits {
   }
   bool allows_fan(int v, const Vec3& x) const;
   int add_vertex(const VertexBlend& from, const Vec3& x);
+  bool closes_rim(std::span<const int> removed, std::span<const Triangle> added) const;
   std::vector<Triangle> staying_around(std::span<const int> removed, std::span<const Triangle> added) const;
   void take_out(std::span<const int> removed, std::vector<int>& open);
   void put_in(std::span<const Triangle> added, std::vector<int>& open);

@@ -58,10 +58,11 @@ Obstacles fill(const ReplacementSetting& setting, const Hole& hole, Patch& patch
   if (found.empty()) {
     std::vector<Triangle> added = patch.triangles;
     added.insert(added.end(), seams.begin(), seams.end());
-    edits.exchange(hole.removed, added, origins_of_tried(edits, hole.removed));
-  } else {
-    edits.discard_tried();
+    if (edits.exchange(hole.removed, added, origins_of_tried(edits, hole.removed))) return {};
+    for (const int t : hole.removed)
+      for (const int v : edits.mesh().triangles[t]) found.push_back(edits.at(v));
   }
+  edits.discard_tried();
   return found;
 }
 

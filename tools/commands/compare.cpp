@@ -134,7 +134,9 @@ Run read_run(const fs::path& folder) {
     run.subject = scene["hash"].asString();
   } else if (sequence.isObject()) {
     run.title = sequence["name"].asString();
-    run.subject = fmt::format("{} {}", sequence["first"].asString(), sequence["last"].asString());
+    run.subject = sequence.isMember("hash")
+                      ? sequence["hash"].asString()
+                      : fmt::format("{} {}", sequence["first"].asString(), sequence["last"].asString());
   }
   return run;
 }

@@ -1,5 +1,6 @@
 #include "tools/io/vtp_files.h"
 
+#include <fmt/format.h>
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
 #include <vtkCommand.h>
@@ -93,8 +94,11 @@ vtkSmartPointer<vtkPolyData> surface_data(const SurfaceFrame& frame) {
   if (!frame.checker.empty()) arrays.AddArray(make_array<vtkUnsignedCharArray>("checker", 3, frame.checker));
   if (!state.material_slip.empty()) arrays.AddArray(make_array("material_slip", 1, state.material_slip));
   arrays.AddArray(make_array<vtkUnsignedCharArray>("unprojected", 1, frame.mesh.unprojected));
-  for (const VertexArray& array : frame.mesh.added)
+  for (const VertexArray& array : frame.mesh.added) {
+    if (arrays.HasArray(array.name.c_str()) != 0)
+      throw InvalidInput(fmt::format("surface files have an array '{}' of their own", array.name));
     std::visit([&](const auto& of) { arrays.AddArray(make_added_array(array.name, of.values)); }, array.data);
+  }
   set_time(*data, frame.time);
   return data;
 }

@@ -32,13 +32,16 @@ class RunDriver {
  public:
   /// Before the source's first step. watch: runs since the set-up began. source, folder: must outlive it.
   RunDriver(FrameSource& source, RunFolder& folder, RunSettings settings, const Stopwatch& watch);
+  RunDriver(const RunDriver&) = delete;  // its writer refers to its settings
+  RunDriver& operator=(const RunDriver&) = delete;
 
   /// Writes frame 0 and a checkpoint: from then on the folder is the run's own.
   void start();
   /// Goes on from where a run was at `frame`, with what is left of its checkpoint.
   void restore(int frame, SavedRun& saved);
   /// To the last frame or until a signal comes, with a checkpoint every checkpoint_interval frames and at the
-  /// end. An IoError that leaves it also says how to go on, any other Error where the particles are.
+  /// end. An IoError that leaves a step also says how to go on, any other Error of one where the particles
+  /// are.
   RunSummary advance(const InterruptGuard& guard);
 
   /// See core/saved_state.h; for a run that has not started.

@@ -209,6 +209,9 @@ TEST(MeshEdits, AnExchangeIsRefusedUnlessTheMeshStaysClosedAndManifold) {
   EXPECT_TRUE(refused({{a, b, c}, {a, b, c}})) << "twice";
   EXPECT_TRUE(refused({{a, b, 4}, {b, c, 4}, {c, a, 4}})) << "touches the other piece in one vertex";
   EXPECT_EQ(edits.misfits(removed, std::vector<Triangle>{{a, b, tip}, {b, c, tip}}), (std::vector{0, 1}));
+  EXPECT_FALSE(edits.exchange(removed, {}, {})) << "nothing in its place";
+  const std::array two{3, 7};  // of two pieces, one of them filled
+  EXPECT_FALSE(edits.exchange(two, std::vector<Triangle>{face}, {})) << "the other hole stays";
   edits.discard_tried();
   EXPECT_TRUE(edits.exchange(removed, std::vector<Triangle>{{b, c, a}}, {})) << "the same turned";
   edits.finish();

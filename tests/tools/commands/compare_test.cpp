@@ -99,6 +99,19 @@ TEST_F(Compare, SaysWhereRunsDifferInSceneOrLength) {
             std::string::npos);
 }
 
+// The same particles, wherever their files are.
+TEST_F(Compare, SequencesAreKnownByWhatIsInThem) {
+  const auto tracked = [&](const std::string& name, const std::string& hash) {
+    const std::filesystem::path made = run(name, "0,0,total,0.4,1.2,0.5,1.1,1\n");
+    file(name + "/run.json", "{\"methods\": [], \"sequence\": {\"name\": \"frames\", \"first\": \"" + name +
+                                 "/1.vtk\", \"last\": \"9.vtk\", \"hash\": \"" + hash + "\"}}");
+    return made;
+  };
+  const auto here = tracked("here", "a"), there = tracked("there", "a"), other = tracked("other", "b");
+  EXPECT_EQ(compare({{here, there}, folder / "out"}).find("not of the same scene"), std::string::npos);
+  EXPECT_NE(compare({{here, other}, folder / "out"}).find("not of the same scene"), std::string::npos);
+}
+
 TEST_F(Compare, FitsTheTerminal) {
   std::string rows;
   for (const char* method :

@@ -64,6 +64,27 @@ struct Square {
   std::vector<Vec2> texture;
 };
 
+TEST_F(DataFiles, SurfaceHasTheArraysThatAProgramAdded) {
+  Square square;
+  square.mesh.add_array<double>("heat", Carry::interpolate, 0.0)[2] = 0.5;
+  square.mesh.add_array<Vec3>("force", Carry::recompute, Vec3(1, 2, 3));
+  square.mesh.add_array<int>("part", Carry::nearest, 7)[3] = 8;
+  const auto data = written_and_read(square.data());
+  vtkPointData& arrays = *data->GetPointData();
+  expect_array(arrays, "heat", VTK_DOUBLE, 1);
+  expect_array(arrays, "force", VTK_DOUBLE, 3);
+  expect_array(arrays, "part", VTK_INT, 1);
+  EXPECT_EQ(arrays.GetArray("heat")->GetComponent(2, 0), 0.5);
+  EXPECT_EQ(arrays.GetArray("force")->GetComponent(1, 2), 3);
+  EXPECT_EQ(arrays.GetArray("part")->GetComponent(3, 0), 8);
+}
+
+TEST_F(DataFiles, AnAddedArrayDoesNotReplaceTheFilesOwn) {
+  Square square;
+  square.mesh.add_array<double>("confidence", Carry::interpolate, 0.0);
+  EXPECT_THROW(square.data(), InvalidInput);
+}
+
 TEST_F(DataFiles, SurfaceHasItsArraysAndTypes) {
   const auto data = written_and_read(Square().data());
   vtkPointData& arrays = *data->GetPointData();
