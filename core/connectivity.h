@@ -61,8 +61,9 @@ void twins_of(std::span<const Triangle> triangles, EdgeSides& scratch, std::vect
 
 /// The boundary of a set of triangles: directed edges (u, v) as often as they occur more often than (v, u).
 struct Boundary {
-  std::vector<std::vector<int>> loops;  ///< vertices in the order of the edges, each from its smallest; sorted by it
-  std::vector<int> pinched;             ///< vertices where several edges start; without loops then
+  std::vector<std::vector<int>>
+      loops;                 ///< vertices in the order of the edges, each from its smallest; sorted by it
+  std::vector<int> pinched;  ///< vertices where several edges start; without loops then
 };
 Boundary boundary_of(std::span<const Triangle> triangles);
 
