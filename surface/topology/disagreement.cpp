@@ -24,12 +24,6 @@ constexpr double kOverlongEdge = 8;                          // in limits
 constexpr std::size_t kPointsAtOnce = std::size_t{1} << 24;  // of the lattice, in memory
 constexpr int kOverlap = 4;                                  // of slabs and blocks of it, in points
 
-/// The sum of the unit outward normals at a triangle's corners.
-Vec3 sum_of_normals(std::span<const Vec3> gradient, const Triangle& triangle) {
-  const auto& [a, b, c] = triangle;
-  return -gradient[a].normalized() - gradient[b].normalized() - gradient[c].normalized();
-}
-
 /// Whether the field is not to be asked: the triangle is small and all that is known at its corners, which
 /// are on the surface, fits.
 bool is_plainly_on_surface(std::span<const Vec3> position, std::span<const Vec3> gradient,
@@ -194,6 +188,11 @@ LatticeCell cell_of(const SampledField& lattice, const Vec3& x) {
   return {index(0), index(1), index(2)};
 }
 
+Vec3 sum_of_normals(std::span<const Vec3> gradient, const Triangle& triangle) {
+  const auto& [a, b, c] = triangle;
+  return -gradient[a].normalized() - gradient[b].normalized() - gradient[c].normalized();
+}
+
 bool is_off_surface(const Field& field, std::span<const Vec3> position, std::span<const Vec3> gradient,
                     const Triangle& triangle, double limit) {
   const auto& [a, b, c] = triangle;
@@ -209,14 +208,13 @@ bool is_off_surface(const Field& field, std::span<const Vec3> position, std::spa
          facing(position[a], position[b], position[c], -projected.gradient) < 0;
 }
 
-std::vector<int> triangles_off_surface(const Field& field, const TriangleMesh& mesh,
-                                       std::span<const Vec3> gradient, double limit) {
+std::vector<int> triangles_off_surface(const Field& field, const TriangleMesh& mesh, double limit) {
   std::vector<char> off(mesh.triangles.size());
   parallel_for(off.size(), [&](std::size_t t) {
     const Triangle& triangle = mesh.triangles[t];
     off[t] = std::ranges::any_of(triangle, [&](int v) { return mesh.unprojected[v] != 0; }) ||
-             (!is_plainly_on_surface(mesh.position, gradient, triangle, limit) &&
-              is_off_surface(field, mesh.position, gradient, triangle, limit));
+             (!is_plainly_on_surface(mesh.position, mesh.gradient, triangle, limit) &&
+              is_off_surface(field, mesh.position, mesh.gradient, triangle, limit));
   });
   std::vector<int> found;
   for (int t = 0; t < static_cast<int>(off.size()); ++t)

@@ -13,16 +13,18 @@ namespace kappaflow {
 /// The cell of the lattice that holds x.
 LatticeCell cell_of(const SampledField& lattice, const Vec3& x);
 
+/// The sum of the unit outward normals of f = 0 at a triangle's corners. gradient: of f at the vertices.
+Vec3 sum_of_normals(std::span<const Vec3> gradient, const Triangle& triangle);
+
 /// Whether the triangle is not a piece of f = 0 within `limit` [m]: by |f|/|g| > limit at its centroid, or
 /// because it faces away from the field's normals at its corners, as their sum goes.
 bool is_off_surface(const Field& field, std::span<const Vec3> position, std::span<const Vec3> gradient,
                     const Triangle& triangle, double limit);
 
 /// The triangles for which is_off_surface() holds or a corner is not projected, ascending; but the
-/// field is not asked about small triangles along which the normals at the corners hardly turn. gradient: of
-/// f at the vertices.
-std::vector<int> triangles_off_surface(const Field& field, const TriangleMesh& mesh,
-                                       std::span<const Vec3> gradient, double limit);
+/// field is not asked about small triangles along which the normals at the corners hardly turn.
+/// TriangleMesh::gradient must be that of the vertices as they are.
+std::vector<int> triangles_off_surface(const Field& field, const TriangleMesh& mesh, double limit);
 
 /// The cells at points of the lattice that are inside the mesh and not the surface, or the reverse, and
 /// either further than `limit` [m] from f = 0, as f and its central differences tell, or from the mesh, or

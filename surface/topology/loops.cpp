@@ -5,6 +5,7 @@
 
 #include "core/triangle_geometry.h"
 #include "surface/mesh/mesh_measures.h"
+#include "surface/topology/disagreement.h"
 
 namespace kappaflow {
 namespace {
@@ -15,7 +16,7 @@ struct Cost {
   std::span<const Vec3> position, gradient;
   double operator()(int a, int b, int c) const {
     const Vec3 &x = position[a], &y = position[b], &z = position[c];
-    const Vec3 normals = -gradient[a].normalized() - gradient[b].normalized() - gradient[c].normalized();
+    const Vec3 normals = sum_of_normals(gradient, {a, b, c});
     return longest_edge_squared(x, y, z) * (1 + kFacingWeight * (1 - facing(x, y, z, normals)));
   }
 };

@@ -80,7 +80,7 @@ void add_cells(const SampledField& lattice, const TriangleMesh& mesh, std::span<
 /// Where the triangles are not pieces of the surface.
 void add_cells_off_surface(const Field& field, const TriangleMesh& mesh, double limit,
                            const SampledField& lattice, std::vector<LatticeCell>& cells) {
-  add_cells(lattice, mesh, triangles_off_surface(field, mesh, mesh.gradient, limit), cells);
+  add_cells(lattice, mesh, triangles_off_surface(field, mesh, limit), cells);
 }
 
 /// Where edges are so short that remeshing would have collapsed them if it could: around a thread.
