@@ -8,9 +8,8 @@
 namespace kappaflow {
 
 /// f = 0 as a closed mesh, oriented outward, with edges of about `spacing` [m] and its vertices projected on
-/// the surface (or flagged as unprojected). The slivers of the extracted isosurface are removed by collapsing
-/// its short edges, flipping edges towards Delaunay, and smoothing in the tangent planes. Throws as
-/// extract_isosurface does.
+/// the surface (or flagged as unprojected): the extracted isosurface, remeshed (see Remesher) to edges of one
+/// length and smoothed in the tangent planes, in turn. Throws as extract_isosurface does.
 TriangleMesh initial_mesh(const Field& field, double spacing, const ProjectionOptions& projection);
 
 }  // namespace kappaflow

@@ -128,8 +128,8 @@ TrackerStep SurfaceTracker::settle(const Field& field) {
   if (s.options.remeshing.edge_length > 0) {
     s.remesh(field, report);
     Comparison comparison = Comparison::thorough;
-    for (int round = 0; s.options.topology.follows_field && s.change_topology(field, comparison, report) &&
-                        round < kSettlingRounds;
+    for (int round = 0; s.options.topology.follows_field && round < kSettlingRounds &&
+                        s.change_topology(field, comparison, report);
          ++round) {
       s.remesh(field, report);
       comparison = Comparison::repeated;

@@ -108,10 +108,14 @@ double largest_chord(const Field& field, const TriangleMesh& mesh) {
 }
 
 TEST(Remeshing, TrianglesThatCutThroughARimAreRefined) {
-  // A lens an edge thick: triangles of this size have corners on both of its sides.
+  // A lens an edge thick, with the mesh of a thicker one pressed flat: triangles at its rim have corners on
+  // both of its sides.
   constexpr double kEdge = 0.25;
-  const EllipsoidField field(Vec3::Zero(), Mat3::Identity(), Vec3(1, 1, 0.12));
-  TriangleMesh mesh = initial_mesh(field, kEdge, {});
+  const Vec3 thick(1, 1, 0.2), thin(1, 1, 0.12);
+  const EllipsoidField field(Vec3::Zero(), Mat3::Identity(), thin);
+  TriangleMesh mesh = initial_mesh(EllipsoidField(Vec3::Zero(), Mat3::Identity(), thick), kEdge, {});
+  for (Vec3& x : mesh.position) x = x.cwiseQuotient(thick).cwiseProduct(thin);
+  project_all(field, {}, mesh.position, mesh.unprojected);
   set_gradient(field, mesh);
   const double before = largest_chord(field, mesh);
   Remesher remesher;

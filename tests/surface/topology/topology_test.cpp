@@ -285,7 +285,7 @@ TEST(Topology, RandomMotions) {
 }
 
 TEST(Topology, HundredsOfPieces) {
-  TrackedRun run(random_motion(1, 400, 8), 0.4);
+  TrackedRun run(random_motion(2, 400, 8), 0.4);
   run.advance(20, 0.02);
   EXPECT_GT(run.components_max, 200);
   EXPECT_EQ(run.other_on_lattice, 0);

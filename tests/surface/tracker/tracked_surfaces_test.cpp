@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/errors.h"
 #include "surface/mesh/mesh_measures.h"
@@ -163,9 +164,11 @@ TEST(TrackedSurfaces, PointCloudsAreFollowedByTheirField) {
     return p;
   };
   TrackedSurfaces surface(cloud(0), cloud(1), {.is_cloud = true});
-  double fastest = 0;
-  for (const Vec3& v : surface.state().motion.velocity) fastest = std::max(fastest, v.norm());
-  EXPECT_NEAR(fastest, kSpeed, 0.3 * kSpeed) << "the first frame knows the next";
+  const std::vector<Vec3> velocity = surface.state().motion.velocity;
+  const Vec3 mean =
+      std::accumulate(velocity.begin(), velocity.end(), Vec3(0, 0, 0)) / static_cast<double>(velocity.size());
+  EXPECT_LT((mean - Vec3(kSpeed, 0, 0)).norm(), 0.1 * kSpeed) << "the first frame knows the next";
+  for (const Vec3& v : velocity) EXPECT_LT(v.norm(), 1.5 * kSpeed);
   for (int frame = 1; frame <= 10; ++frame) {
     EXPECT_EQ(surface.steps_to(cloud(frame)), 1);
     surface.advance(cloud(frame));

@@ -147,7 +147,7 @@ TEST_F(QuickExperiment, Motions) {
   for (const auto& [which, method, elsewhere] :
        {Expected{"stretch", "curvature", 1.21}, Expected{"staircase_frame_12", "total", 0.92}}) {
     EXPECT_LT(error(method, which), elsewhere) << method << " " << which;
-    EXPECT_GT(error(method, which), 0.9 * elsewhere) << method << " " << which;
+    EXPECT_GT(error(method, which), 0.88 * elsewhere) << method << " " << which;
   }
   // Exact for rigid motions; under strain what is left is the normal velocity, which is not the method's.
   EXPECT_LT(error("regional", "rotation"), 1e-5);
