@@ -80,7 +80,7 @@ struct SurfaceDescription : SurfaceOptions {
 struct OutputDescription {
   double frames_per_second = 25;
   Vec3 report_axis{0, 0, 1};  ///< axis of rotation_captured, normalised
-  double checker_size = 4;    ///< edge of a checker cube in units of sigma
+  double checker_size = 2.5;  ///< edge of a checker cube in units of sigma
   TextureProjection texture = TextureProjection::box;
   int checkpoint_interval = 1;  ///< frames from one checkpoint to the next
   View view;                    ///< of pictures

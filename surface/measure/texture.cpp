@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/split_mix.h"
 #include "core/whole_within.h"
 
 namespace kappaflow {
@@ -14,24 +13,42 @@ constexpr std::array<double, 3> kCream{246, 229, 196};
 constexpr std::array<double, 3> kBlue{46, 106, 168};
 constexpr double kBrightnessRange = 0.22;  // [1] of a colour: the darkest cube has 1 - kBrightnessRange of it
 
-constexpr std::int64_t kFarthestCube = std::int64_t{1} << 52;  // double tells cubes up to there apart
+constexpr int kFarthestCube = 1 << 29;  // whole numbers add up without overflow up to there
+constexpr int kPhases = 16;             // of a cube's edge, at which planes are tried
+constexpr double kNear = 0.25;          // distance from a plane in cubes that counts
+constexpr int kFacingPower = 8;         // of the normal's component: what faces along the axis counts
 
-// In [0, 1), the same for a cube at every call.
-double cube_hash(const std::array<std::int64_t, 3>& cube) {
-  std::uint64_t bits = 0;
-  for (const std::int64_t index : cube) bits = split_mix(bits + static_cast<std::uint64_t>(index));
-  return static_cast<double>(bits >> 40) / static_cast<double>(std::uint64_t{1} << 24);
+// In [0, 1), the same for a cube at every call, and simple enough for shaders, see picture.cpp.
+double cube_hash(const std::array<int, 3>& cube) {
+  std::uint32_t bits = static_cast<std::uint32_t>(cube[0]) * 73856093u ^
+                       static_cast<std::uint32_t>(cube[1]) * 19349663u ^
+                       static_cast<std::uint32_t>(cube[2]) * 83492791u;
+  bits = (bits ^ (bits >> 13)) * 1540483477u;
+  bits ^= bits >> 15;
+  return static_cast<double>(bits >> 8) / static_cast<double>(1u << 24);
 }
 
-Rgb checker_colour(const Vec3& x, double edge) {
-  std::array<std::int64_t, 3> cube;
-  for (int a = 0; a < 3; ++a) cube[a] = whole_within(std::floor(x[a] / edge), -kFarthestCube, kFarthestCube);
+/// x: in cubes.
+Rgb cube_colour(const Vec3& x) {
+  std::array<int, 3> cube;
+  for (int a = 0; a < 3; ++a) cube[a] = whole_within(std::floor(x[a]), -kFarthestCube, kFarthestCube);
   const bool odd = ((cube[0] + cube[1] + cube[2]) & 1) != 0;
   const double brightness = 1 - kBrightnessRange * cube_hash(cube);
   Rgb colour;
   for (int c = 0; c < 3; ++c)
     colour[c] = static_cast<std::uint8_t>(std::lround(brightness * (odd ? kBlue : kCream)[c]));
   return colour;
+}
+
+/// How much of the surface faces along the axis near planes at origin + whole cubes.
+double planes_in_surface(std::span<const Vec3> position, std::span<const Vec3> normal, int axis,
+                         double origin, double edge) {
+  double sum = 0;
+  for (std::size_t v = 0; v < position.size(); ++v) {
+    const double x = (position[v][axis] - origin) / edge, distance = std::abs(x - std::round(x));
+    sum += std::max(0.0, 1 - distance / kNear) * std::pow(std::abs(normal[v][axis]), kFacingPower);
+  }
+  return sum;
 }
 
 // r: position in the bounding box, in [-1, 1] on each axis.
@@ -48,10 +65,25 @@ Vec2 boxed(const Vec3& r) {
 
 }  // namespace
 
-std::vector<Rgb> checker_colours(std::span<const Vec3> rest_position, double edge) {
+Checker checker_beside(std::span<const Vec3> position, std::span<const Vec3> normal, double edge) {
+  Checker checker{.edge = edge};
+  for (int axis = 0; axis < 3; ++axis) {
+    double least = HUGE_VAL;
+    for (int k = 0; k < kPhases; ++k) {
+      const double origin = edge * k / kPhases,
+                   cost = planes_in_surface(position, normal, axis, origin, edge);
+      if (!(cost < least)) continue;
+      least = cost;
+      checker.origin[axis] = origin;
+    }
+  }
+  return checker;
+}
+
+std::vector<Rgb> checker_colours(std::span<const Vec3> rest_position, const Checker& checker) {
   std::vector<Rgb> colours(rest_position.size());
   std::ranges::transform(rest_position, colours.begin(),
-                         [&](const Vec3& x) { return checker_colour(x, edge); });
+                         [&](const Vec3& x) { return cube_colour((x - checker.origin) / checker.edge); });
   return colours;
 }
 

@@ -15,11 +15,21 @@ enum class TextureProjection { planar, spherical, box };
 
 using Rgb = std::array<std::uint8_t, 3>;
 
-/// A solid checker: space is cut into cubes with the given edge [m], and a vertex has the colour of the cube
-/// floor(rest_position / edge) that it lay in at the start: cream where the sum of the three indices is even,
-/// blue where it is odd. Each cube differs a little in brightness, so that the eye can tell cubes apart and
-/// sees a surface turn.
-std::vector<Rgb> checker_colours(std::span<const Vec3> rest_position, double edge);
+/// A solid checker: space cut into cubes.
+struct Checker {
+  Vec3 origin = Vec3::Zero();  ///< a corner of cubes [m]
+  double edge = 1;             ///< of a cube [m]
+};
+
+/// The checker for a first mesh whose outward unit normals are given, with cubes that lie along the axes:
+/// moved so that parts of the surface that face along an axis are as far from the cubes' faces as can be (a
+/// face of the checker in a face of the liquid would be noise).
+Checker checker_beside(std::span<const Vec3> position, std::span<const Vec3> normal, double edge);
+
+/// A vertex has the colour of the cube floor((rest_position - origin) / edge) that it lay in at the start:
+/// cream where the sum of the three indices is even, blue where it is odd. Each cube differs a little in
+/// brightness, so that the eye can tell cubes apart and sees a surface turn.
+std::vector<Rgb> checker_colours(std::span<const Vec3> rest_position, const Checker& checker);
 
 /// The bounding box of the first mesh's vertices, which texture coordinates refer to.
 Bounds bounding_box(std::span<const Vec3> position);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <optional>
 #include <string>
@@ -115,6 +116,18 @@ void add_probe(CLI::App& app, CommandLine& line) {
              "--methods total,curvature"));
 }
 
+std::array<int, 2> panel_size(const std::vector<double>& pixels) {
+  constexpr double kLeast = 100, kMost = 8000;
+  std::array<int, 2> size{};
+  for (std::size_t a = 0; a < 2; ++a) {
+    if (!(pixels[a] >= kLeast) || !(pixels[a] <= kMost) || pixels[a] != std::floor(pixels[a]))
+      throw CLI::ValidationError(
+          "--size", fmt::format("found {}; expected whole numbers from {} to {}", pixels[a], kLeast, kMost));
+    size[a] = static_cast<int>(pixels[a]);
+  }
+  return size;
+}
+
 void add_render(CLI::App& app, CommandLine& line) {
   CLI::App* render = app.add_subcommand("render", "Draw the surfaces of a run side by side");
   render->add_option("DIR", line.render.folder, "Run folder")->required();
@@ -137,6 +150,17 @@ void add_render(CLI::App& app, CommandLine& line) {
         line.render.range = {ends[0], ends[1]};
       },
       "Values at the ends of the colour bar (default: those that 98 % of the vertices lie within)");
+  render
+      ->add_option_function<std::string>(
+          "--fit",
+          [&line](const std::string& what) { line.render.fit = what == "scene" ? Fit::scene : Fit::liquid; },
+          "What fills a panel: the liquid, which a film's camera follows, or the scene (default: liquid)")
+      ->type_name("NAME")
+      ->check(one_of({"liquid", "scene"}));
+  add_numbers(
+      *render, "--size", "WIDTH,HEIGHT", 2,
+      [&line](const std::vector<double>& pixels) { line.render.size = panel_size(pixels); },
+      "Size of a panel in pixels (default: 900,800)");
   const auto direction = [](std::optional<Vec3>& set) {
     return [&set](const std::vector<double>& v) { set = Vec3(v.data()); };
   };

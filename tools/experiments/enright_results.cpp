@@ -76,15 +76,15 @@ void write_meshes(const std::vector<EnrightResult>& results, const ExperimentCon
     std::vector<Panel> panels;
     for (const EnrightResult& r : results) {
       const EnrightSample& s = r.*member;
-      const auto data = surface_data(
-          {time, s.mesh, s.state, checker_colours(s.mesh.rest_position, EnrightFlow::kRadius / 3),
-           texture_coordinates(s.mesh.rest_position, bounding_box(s.mesh.rest_position),
-                               TextureProjection::spherical)});
+      const auto data =
+          surface_data({time, s.mesh, s.state, Checker{.edge = EnrightFlow::kRadius / 3},
+                        texture_coordinates(s.mesh.rest_position, bounding_box(s.mesh.rest_position),
+                                            TextureProjection::spherical)});
       write_vtp(context.folder / file_name(r, name), *data);
       panels.push_back({fmt::format("{}, t = {} s", r.method, time), data});
     }
     const std::string picture = fmt::format("{}-{}.png", context.name, name);
-    draw_picture(context.folder / picture, panels, nullptr, nullptr,
+    draw_picture(context.folder / picture, panels, {}, std::nullopt,
                  {.columns = 3, .panel_width = 640, .panel_height = 560, .edges = true});
     report.figures.push_back({picture, time < EnrightFlow::kPeriod
                                            ? "The meshes at T/2."

@@ -54,7 +54,7 @@ vtkSmartPointer<vtkPolyData> mesh_data(const RigidExperiment& experiment, const 
   const SurfaceState state =
       surface_state(*particles.at(time), mesh, vertex_rings(mesh.vertex_count(), mesh.triangles),
                     velocity_method(c.method).evaluate, experiment.tracker.velocity);
-  return surface_data({time, mesh, state, checker_colours(mesh.rest_position, experiment.checker_size),
+  return surface_data({time, mesh, state, Checker{.edge = experiment.checker_size},
                        texture_coordinates(mesh.rest_position, bounding_box(mesh.rest_position),
                                            TextureProjection::spherical)});
 }
@@ -91,7 +91,7 @@ void draw_rigid_meshes(const RigidExperiment& experiment, const std::vector<cons
   PictureStyle style{.columns = static_cast<int>(cases.size()), .panel_width = 480, .panel_height = 440};
   style.edges = true;
   style.view.from = Vec3(0.3, 0.35, 1);
-  draw_picture(context.folder / (name + ".png"), panels, nullptr, nullptr, style);
+  draw_picture(context.folder / (name + ".png"), panels, {}, std::nullopt, style);
 }
 
 std::string rigid_setting(const RigidExperiment& experiment) {

@@ -13,6 +13,7 @@
 #include <vtkXMLPolyDataWriter.h>
 
 #include <algorithm>
+#include <array>
 
 #include "core/errors.h"
 #include "tools/io/files.h"
@@ -24,6 +25,14 @@ namespace {
 void set_time(vtkPolyData& data, double time) {
   data.GetFieldData()->AddArray(
       make_array<vtkDoubleArray>("TimeValue", 1, 1, [&](std::size_t) { return time; }));
+}
+
+void add_checker(vtkPolyData& data, std::span<const Vec3> rest_position, const Checker& checker) {
+  data.GetPointData()->AddArray(
+      make_array<vtkUnsignedCharArray>("checker", 3, checker_colours(rest_position, checker)));
+  vtkFieldData& fields = *data.GetFieldData();
+  fields.AddArray(make_array<vtkDoubleArray>("checker_origin", 3, std::array{checker.origin}));
+  fields.AddArray(make_array<vtkDoubleArray>("checker_edge", 1, std::array{checker.edge}));
 }
 
 vtkSmartPointer<vtkDataArray> make_added_array(const std::string& name, const std::vector<double>& values) {
@@ -91,7 +100,7 @@ vtkSmartPointer<vtkPolyData> surface_data(const SurfaceFrame& frame) {
   arrays.AddArray(make_array<vtkDoubleArray>("rest_position", 3, frame.mesh.rest_position));
   if (has_sources(frame.mesh)) arrays.AddArray(make_array<vtkIntArray>("source", 1, frame.mesh.source));
   arrays.AddArray(make_array<vtkTypeInt64Array>("id", 1, frame.mesh.id));
-  if (!frame.checker.empty()) arrays.AddArray(make_array<vtkUnsignedCharArray>("checker", 3, frame.checker));
+  if (frame.checker) add_checker(*data, frame.mesh.rest_position, *frame.checker);
   if (!state.material_slip.empty()) arrays.AddArray(make_array("material_slip", 1, state.material_slip));
   arrays.AddArray(make_array<vtkUnsignedCharArray>("unprojected", 1, frame.mesh.unprojected));
   for (const VertexArray& array : frame.mesh.added) {

@@ -5,6 +5,7 @@
 #include <vtkSmartPointer.h>
 
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -26,14 +27,14 @@ struct SurfaceFrame {
   double time;  ///< [s]
   const TriangleMesh& mesh;
   const SurfaceState& state;
-  std::span<const Rgb> checker{};
+  std::optional<Checker> checker{};
   std::span<const Vec2> texture_coordinates{};
 };
 
 /// Point arrays Normals and, where they are given, TCoords (both active), velocity, mean_curvature,
 /// gaussian_curvature, confidence, rest_position, source (where that of any vertex is known), id (of a vertex
-/// for as long as it lives), checker, material_slip (where the material velocity is known), unprojected,
-/// and the mesh's added arrays.
+/// for as long as it lives), checker (its cubes as field arrays checker_origin and checker_edge),
+/// material_slip (where the material velocity is known), unprojected, and the mesh's added arrays.
 vtkSmartPointer<vtkPolyData> surface_data(const SurfaceFrame& frame);
 
 /// All walls as one surface; cell array wall = index of the wall.

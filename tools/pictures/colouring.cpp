@@ -59,14 +59,29 @@ double length_at(vtkDataArray& array, vtkIdType vertex) {
 }
 
 std::string title_of(const std::string& array, bool vectors) {
-  static const std::map<std::string_view, std::string_view> kUnits{{"velocity", "m/s"},
-                                                                   {"material_slip", "m/s"},
-                                                                   {"mean_curvature", "1/m"},
-                                                                   {"gaussian_curvature", "1/m2"},
-                                                                   {"rest_position", "m"}};
-  const auto unit = kUnits.find(array);
-  return fmt::format("{}{}{}", vectors ? "length of " : "", array,
-                     unit == kUnits.end() ? "" : fmt::format(" [{}]", unit->second));
+  struct Words {
+    std::string_view text, unit;
+  };
+  static const std::map<std::string_view, Words> kWords{
+      {"velocity", {"speed", "m/s"}},
+      {"material_slip", {"slip against the liquid", "m/s"}},
+      {"mean_curvature", {"mean curvature", "1/m"}},
+      {"gaussian_curvature", {"Gaussian curvature", "1/m\u00b2"}},
+      {"rest_position", {"distance of the rest position from the origin", "m"}},
+      {"confidence", {"confidence in the tangential velocity", ""}},
+      {"source", {"where the liquid comes from", ""}}};
+  const auto known = kWords.find(array);
+  if (known == kWords.end()) return fmt::format("{}{}", vectors ? "length of " : "", array);
+  const auto& [text, unit] = known->second;
+  return unit.empty() ? std::string(text) : fmt::format("{} [{}]", text, unit);
+}
+
+/// The step between labels: 1, 2, 2.5 or 5 times a power of ten, of which a range holds three to six.
+double label_step(ValueRange range) {
+  const double about = (range[1] - range[0]) / 4, power = std::pow(10, std::floor(std::log10(about)));
+  for (const double digit : {1.0, 2.0, 2.5, 5.0})
+    if (digit * power > 0.999999 * about) return digit * power;
+  return 10 * power;
 }
 
 // Colours over a range that may be wider than what is shown of it.
@@ -128,12 +143,22 @@ ValueRange value_range(vtkPolyData& surface, const std::string& name) {
   return {quantile(values, left_out), quantile(values, 1 - left_out)};
 }
 
+ValueRange rounded(ValueRange range) {
+  if (!(range[1] > range[0])) return range;
+  const double step = label_step(range);
+  return {std::floor(range[0] / step) * step, std::ceil(range[1] / step) * step};
+}
+
 Colouring colouring(vtkPolyData& surface, const std::string& name, ValueRange range) {
   vtkDataArray& array = array_of(surface, name);
   const bool vectors = array.GetNumberOfComponents() > 1;
-  if (has_names(array) && range[1] - range[0] < kMostNames) return {name, name, name_table(range)};
+  if (has_names(array) && range[1] - range[0] < kMostNames)
+    return {name, title_of(name, vectors), name_table(range)};
   if (!(range[1] > range[0])) range[1] = range[0] + 1;  // an array with one value throughout
-  Colouring result{name, title_of(name, vectors), colour_table(range)};
+  const double steps = (range[1] - range[0]) / label_step(range);
+  const bool is_rounded = std::abs(steps - std::round(steps)) < 1e-6;
+  Colouring result{name, title_of(name, vectors), colour_table(range),
+                   is_rounded ? static_cast<int>(std::lround(steps)) + 1 : 2};
   if (vectors) result.table->SetVectorModeToMagnitude();
   return result;
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <vtkActor.h>
 #include <vtkCamera.h>
+#include <vtkImageData.h>
 #include <vtkLight.h>
 #include <vtkMapper.h>
 #include <vtkNew.h>
@@ -18,16 +19,26 @@
 #include <vtkWindowToImageFilter.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "core/errors.h"
 #include "tools/io/files.h"
+#include "tools/pictures/checker_actor.h"
 #include "tools/pictures/display.h"
+#include "tools/pictures/hiding_walls.h"
+#include "tools/pictures/name_regions.h"
 
 namespace kappaflow {
 namespace {
 
-constexpr int kMultisamples = 8;
-constexpr double kFilled = 0.94, kTitleShare = 0.06, kBarShare = 0.1;  // of half a panel
+constexpr int kSamples = 2;                                       // of a pixel along each axis
+constexpr double kOcclusionReach = 0.12, kOcclusionBias = 0.004;  // of what fills the panel
+constexpr unsigned int kOcclusionSamples = 64;
+constexpr double kTitleHeight = 0.075, kGap = 0.012;  // of a panel
+constexpr double kViewAngle = 24;                     // [degrees] from bottom to top
+constexpr double kGlass = 0.12;                       // opacity of walls in the way
+constexpr double kBarHeight = 0.11;                   // of a panel's
 
 vtkSmartPointer<vtkActor> make_actor(vtkPolyData& data) {
   vtkNew<vtkPolyDataMapper> mapper;
@@ -37,36 +48,38 @@ vtkSmartPointer<vtkActor> make_actor(vtkPolyData& data) {
   return actor;
 }
 
-void colour(vtkMapper& mapper, const std::optional<Colouring>& colouring) {
-  mapper.SetScalarModeToUsePointFieldData();
-  mapper.SelectColorArray(colouring ? colouring->array.c_str() : kCheckerArray);
-  if (!colouring) {
-    mapper.SetColorModeToDirectScalars();
-    return;
-  }
+vtkSmartPointer<vtkActor> coloured_actor(vtkPolyData& surface, const Colouring& colouring) {
+  const bool of_names = colouring.table->GetIndexedLookup() != 0;
+  auto actor = make_actor(of_names ? *name_regions(surface, colouring.array) : surface);
+  vtkMapper& mapper = *actor->GetMapper();
+  if (of_names)
+    mapper.SetScalarModeToUseCellFieldData();
+  else
+    mapper.SetScalarModeToUsePointFieldData();
+  mapper.SelectColorArray(colouring.array.c_str());
   mapper.SetColorModeToMapScalars();
-  mapper.SetLookupTable(colouring->table);
+  mapper.SetLookupTable(colouring.table);
   mapper.UseLookupTableScalarRangeOn();
-  mapper.SetInterpolateScalarsBeforeMapping(!colouring->table->GetIndexedLookup());
+  mapper.SetInterpolateScalarsBeforeMapping(!of_names);
+  return actor;
 }
 
-vtkSmartPointer<vtkActor> surface_actor(vtkPolyData& data, const PictureStyle& style) {
-  auto actor = make_actor(data);
-  colour(*actor->GetMapper(), style.colouring);
+vtkSmartPointer<vtkActor> surface_actor(vtkPolyData& surface, const PictureStyle& style) {
+  auto actor = style.colouring ? coloured_actor(surface, *style.colouring) : checker_actor(surface);
   vtkProperty& look = *actor->GetProperty();
   look.SetInterpolationToPhong();
-  look.SetAmbient(0.3);
-  look.SetDiffuse(0.85);
-  look.SetSpecular(0.12);
-  look.SetSpecularPower(25);
+  look.SetAmbient(0.32);
+  look.SetDiffuse(0.75);
+  look.SetSpecular(0.15);
+  look.SetSpecularPower(40);
   look.SetEdgeVisibility(style.edges);
   look.SetEdgeColor(0.25, 0.25, 0.3);
   return actor;
 }
 
-vtkSmartPointer<vtkActor> boundary_actor(vtkPolyData& data, const PictureStyle& style) {
+vtkSmartPointer<vtkActor> wall_actor(vtkPolyData& data, double opacity) {
   auto actor = make_actor(data);
-  actor->GetProperty()->SetOpacity(style.wall_opacity);
+  actor->GetProperty()->SetOpacity(opacity);
   actor->GetProperty()->SetColor(0.9, 0.91, 0.92);
   actor->GetProperty()->SetAmbient(0.35);
   actor->GetProperty()->SetDiffuse(0.7);
@@ -82,30 +95,32 @@ void write_dark(vtkTextProperty& look, int size) {
   look.ShadowOff();
 }
 
-vtkSmartPointer<vtkTextActor> title_actor(const std::string& text, const PictureStyle& style) {
+/// In the middle of an image of that width and height.
+vtkSmartPointer<vtkTextActor> title_actor(const std::string& text, int width, int height) {
   auto title = vtkSmartPointer<vtkTextActor>::New();
   title->SetInput(text.c_str());
   vtkTextProperty& look = *title->GetTextProperty();
-  write_dark(look, style.panel_height * 3 / 80);
+  write_dark(look, kSamples * height / 2);
   look.SetJustificationToCentered();
-  title->SetPosition(style.panel_width / 2.0, style.panel_height * 0.93);
+  look.SetVerticalJustificationToCentered();
+  title->SetPosition(kSamples * width / 2.0, kSamples * height / 2.0);
   return title;
 }
 
-vtkSmartPointer<vtkScalarBarActor> bar_actor(const Colouring& colouring, const PictureStyle& style) {
+vtkSmartPointer<vtkScalarBarActor> bar_actor(const Colouring& colouring, int height) {
   auto bar = vtkSmartPointer<vtkScalarBarActor>::New();
   bar->SetLookupTable(colouring.table);
   bar->SetTitle(colouring.title.c_str());
   bar->SetOrientationToHorizontal();
-  bar->SetPosition(0.2, 0.01);
-  bar->SetPosition2(0.6, kBarShare);
-  bar->SetNumberOfLabels(5);
+  bar->SetPosition(0.05, 0.02);
+  bar->SetPosition2(0.9, 0.9);
+  bar->SetNumberOfLabels(colouring.labels);
   bar->SetTextPositionToPrecedeScalarBar();
-  bar->SetLabelFormat("%.3g");
+  bar->SetLabelFormat("%.4g");
   bar->UnconstrainedFontSizeOn();
-  write_dark(*bar->GetTitleTextProperty(), style.panel_height / 36);
-  write_dark(*bar->GetLabelTextProperty(), style.panel_height / 36);
-  write_dark(*bar->GetAnnotationTextProperty(), style.panel_height / 36);
+  write_dark(*bar->GetTitleTextProperty(), kSamples * height * 3 / 10);
+  write_dark(*bar->GetLabelTextProperty(), kSamples * height * 3 / 10);
+  write_dark(*bar->GetAnnotationTextProperty(), kSamples * height * 3 / 10);
   return bar;
 }
 
@@ -123,47 +138,114 @@ void add_lights(vtkRenderer& renderer) {
   add(-1, 0.1, 0.7, 0.45);
 }
 
-// Looks at `subject` and fills the panel with it, between the title and the colour bar where there is one.
-void aim(vtkRenderer& renderer, vtkPolyData& subject, const PictureStyle& style) {
+/// Fills the renderer's window with what is framed.
+void aim(vtkRenderer& renderer, const Framing& framing, const PictureStyle& style) {
+  const double slope = std::tan(0.5 * kViewAngle * std::numbers::pi / 180);
+  const double wide = framing.half.x() / renderer.GetTiledAspectRatio();
+  const double distance = framing.half.z() + std::max({wide, framing.half.y(), 1e-9}) / slope;
+  const Mat3 axes = view_axes(style.view);
+  const Vec3 centre = axes.transpose() * framing.centre, eye = centre + distance * axes.row(2).transpose();
   vtkCamera& camera = *renderer.GetActiveCamera();
-  camera.SetPosition(style.view.from.data());
+  camera.SetFocalPoint(centre.data());
+  camera.SetPosition(eye.data());
   camera.SetViewUp(style.view.up.data());
-  camera.SetViewAngle(24);
-  renderer.ResetCamera(subject.GetBounds());
-
-  // Where the subject lies on the screen, in [-1, 1] on both axes.
-  Vec2 lower = Vec2::Constant(1e9), upper = Vec2::Constant(-1e9);
-  for (vtkIdType i = 0; i < subject.GetNumberOfPoints(); ++i) {
-    Vec3 at(subject.GetPoint(i));
-    renderer.WorldToView(at[0], at[1], at[2]);
-    lower = lower.cwiseMin(at.head<2>());
-    upper = upper.cwiseMax(at.head<2>());
-  }
-  const Vec2 center = 0.5 * (lower + upper), size = upper - lower;
-  const double bar = style.colouring ? kBarShare : 0;
-  const double zoom = std::min(2 * kFilled / size.x(), 2 * (kFilled - kTitleShare - bar) / size.y());
-  camera.SetWindowCenter(zoom * center.x(), zoom * center.y() + kTitleShare - bar);
-  camera.Zoom(zoom);
-}
-
-void fill_panel(vtkRenderer& renderer, const Panel& panel, vtkPolyData* boundary, vtkPolyData& subject,
-                const PictureStyle& style) {
-  renderer.SetBackground(1, 1, 1);
-  renderer.AddActor(surface_actor(*panel.surface, style));
-  if (boundary != nullptr) renderer.AddActor(boundary_actor(*boundary, style));
-  renderer.AddActor2D(title_actor(panel.title, style));
-  if (style.colouring) renderer.AddActor2D(bar_actor(*style.colouring, style));
-  add_lights(renderer);
-  aim(renderer, subject, style);
+  camera.SetViewAngle(kViewAngle);
   renderer.ResetCameraClippingRange();
 }
 
-void write_png(vtkRenderWindow& window, const std::filesystem::path& file) {
+void add_walls(vtkRenderer& renderer, const Walls& walls) {
+  if (walls.solid) renderer.AddActor(wall_actor(*walls.solid, 1));
+  if (!walls.glass || walls.glass->GetNumberOfCells() == 0) return;
+  renderer.AddActor(wall_actor(*walls.glass, kGlass));
+  const auto edges = make_actor(*sharp_edges(*walls.glass));
+  edges->GetProperty()->SetColor(0.6, 0.62, 0.65);
+  edges->GetProperty()->SetLineWidth(kSamples);
+  edges->GetProperty()->LightingOff();
+  renderer.AddActor(edges);
+}
+
+void fill_panel(vtkRenderer& renderer, vtkPolyData& surface, const Walls& walls, const Framing& framing,
+                const PictureStyle& style) {
+  renderer.SetBackground(1, 1, 1);
+  renderer.AddActor(surface_actor(surface, style));
+  add_walls(renderer, walls);
+  add_lights(renderer);
+  aim(renderer, framing, style);
+  const double size = 2 * framing.half.norm();
+  renderer.UseSSAOOn();
+  renderer.SetSSAORadius(kOcclusionReach * size);
+  renderer.SetSSAOBias(kOcclusionBias * size);
+  renderer.SetSSAOKernelSize(kOcclusionSamples);
+  renderer.SSAOBlurOn();
+}
+
+/// What a renderer shows, with kSamples pixels for one along each axis.
+template <class Fill>
+vtkSmartPointer<vtkImageData> drawn(int width, int height, const Fill& fill) {
+  vtkNew<vtkRenderWindow> window;
+  window->SetOffScreenRendering(1);
+  window->SetMultiSamples(0);
+  window->SetSize(kSamples * width, kSamples * height);
+  vtkNew<vtkRenderer> renderer;
+  renderer->SetBackground(1, 1, 1);
+  window->AddRenderer(renderer);
+  fill(*renderer);
+  window->Render();
   vtkNew<vtkWindowToImageFilter> image;
-  image->SetInput(&window);
+  image->SetInput(window);
   image->ReadFrontBufferOff();
+  image->Update();
+  return image->GetOutput();
+}
+
+unsigned char* pixel(vtkImageData& image, int x, int y) {
+  return static_cast<unsigned char*>(image.GetScalarPointer(x, y, 0));
+}
+
+/// Puts the means of a part's samples into the picture, from (left, below) on.
+void put(vtkImageData& part, int left, int below, vtkImageData& picture) {
+  const int width = part.GetDimensions()[0] / kSamples, height = part.GetDimensions()[1] / kSamples;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      for (int channel = 0; channel < 3; ++channel) {
+        int sum = kSamples * kSamples / 2;
+        for (int j = 0; j < kSamples; ++j)
+          for (int i = 0; i < kSamples; ++i) sum += pixel(part, kSamples * x + i, kSamples * y + j)[channel];
+        pixel(picture, left + x, below + y)[channel] =
+            static_cast<unsigned char>(sum / (kSamples * kSamples));
+      }
+}
+
+vtkSmartPointer<vtkImageData> white_picture(int width, int height) {
+  auto picture = vtkSmartPointer<vtkImageData>::New();
+  picture->SetDimensions(width, height, 1);
+  picture->AllocateScalars(VTK_UNSIGNED_CHAR, 3);
+  std::fill_n(pixel(*picture, 0, 0), std::size_t{3} * width * height, static_cast<unsigned char>(255));
+  return picture;
+}
+
+int share(double of_panel, int size) {
+  return static_cast<int>(std::lround(of_panel * size));
+}
+
+/// From (left, below) on: the surface among the walls, its title above.
+void put_panel(const Panel& panel, const Walls& walls, const std::optional<Framing>& framing,
+               const PictureStyle& style, int left, int below, vtkImageData& picture) {
+  const int title = share(kTitleHeight, style.panel_height), gap = share(kGap, style.panel_width),
+            width = style.panel_width - 2 * gap, height = style.panel_height - title;
+  vtkPolyData* const alone[] = {panel.surface.Get()};
+  const Framing here = framing ? *framing : kappaflow::framing(alone, style.view, 0);
+  put(*drawn(width, height,
+             [&](vtkRenderer& renderer) { fill_panel(renderer, *panel.surface, walls, here, style); }),
+      left + gap, below, picture);
+  put(*drawn(width, title,
+             [&](vtkRenderer& renderer) { renderer.AddActor2D(title_actor(panel.title, width, title)); }),
+      left + gap, below + height, picture);
+}
+
+void write_png(vtkImageData& picture, const std::filesystem::path& file) {
   vtkNew<vtkPNGWriter> writer;
-  writer->SetInputConnection(image->GetOutputPort());
+  writer->SetInputData(&picture);
   writer->WriteToMemoryOn();
   writer->Write();
   const vtkUnsignedCharArray& png = *writer->GetResult();
@@ -173,8 +255,8 @@ void write_png(vtkRenderWindow& window, const std::filesystem::path& file) {
 
 }  // namespace
 
-void draw_picture(const std::filesystem::path& file, std::span<const Panel> panels, vtkPolyData* boundary,
-                  vtkPolyData* subject, const PictureStyle& style) {
+void draw_picture(const std::filesystem::path& file, std::span<const Panel> panels, const Walls& walls,
+                  const std::optional<Framing>& framing, const PictureStyle& style) {
   if (file.extension() != ".png")
     throw InvalidInput(fmt::format("found \"{}\"; expected a file name that ends in .png", file.string()));
   // VTK aborts the program when there is no display: ask first.
@@ -182,23 +264,18 @@ void draw_picture(const std::filesystem::path& file, std::span<const Panel> pane
 
   const int count = static_cast<int>(panels.size());
   const int columns = style.columns > 0 ? style.columns : count, rows = (count + columns - 1) / columns;
-  vtkNew<vtkRenderWindow> window;
-  window->SetOffScreenRendering(1);
-  window->SetMultiSamples(kMultisamples);
-  window->SetSize(style.panel_width * columns, style.panel_height * rows);
-  for (int p = 0; p < columns * rows; ++p) {
-    const int line = p / columns;
-    const double column = p % columns, row = rows - 1 - line;
-    vtkNew<vtkRenderer> renderer;
-    renderer->SetViewport(column / columns, row / rows, (column + 1) / columns, (row + 1) / rows);
-    renderer->SetBackground(1, 1, 1);
-    window->AddRenderer(renderer);  // first: the view depends on the panel's shape
-    if (p >= count) continue;
-    vtkPolyData& filling = subject != nullptr ? *subject : *panels[p].surface;
-    fill_panel(*renderer, panels[p], boundary, filling, style);
+  const int bar_height = style.colouring ? share(kBarHeight, style.panel_height) : 0;
+  const auto picture = white_picture(style.panel_width * columns, style.panel_height * rows + bar_height);
+  for (int p = 0; p < count; ++p)
+    put_panel(panels[p], walls, framing, style, p % columns * style.panel_width,
+              bar_height + (rows - 1 - p / columns) * style.panel_height, *picture);
+  if (style.colouring) {
+    const auto bar = drawn(style.panel_width, bar_height, [&](vtkRenderer& renderer) {
+      renderer.AddActor2D(bar_actor(*style.colouring, bar_height));
+    });
+    put(*bar, (columns - 1) * style.panel_width / 2, 0, *picture);
   }
-  window->Render();
-  write_png(*window, file);
+  write_png(*picture, file);
 }
 
 }  // namespace kappaflow

@@ -11,6 +11,7 @@
 
 #include "scenes/view.h"
 #include "tools/pictures/colouring.h"
+#include "tools/pictures/framing.h"
 
 namespace kappaflow {
 
@@ -25,16 +26,20 @@ struct PictureStyle {
   int columns = 0;                            ///< panels a row; 0: all in one row
   int panel_width = 900, panel_height = 800;  ///< [pixels]
   bool edges = false;                         ///< draw the triangles' edges
-  double wall_opacity = 1;
   View view{};
-  std::optional<Colouring> colouring{};  ///< of the surfaces; none: the colours of their array "checker"
+  std::optional<Colouring> colouring{};  ///< of the surfaces; none: the checker
 };
 
-/// Draws the panels, each with `boundary` (may be null) around its surface, so that `subject` fills a panel;
-/// where that is null, so that each surface fills its own.
+/// What stands around the liquid; null: nothing.
+struct Walls {
+  vtkSmartPointer<vtkPolyData> solid, glass;  ///< glass: what is in the way; its edges are drawn
+};
+
+/// Draws the panels, each with the walls around its surface, so that what is framed fills a panel (none: so
+/// that each surface fills its own), and below them the colour bar of all.
 /// Throws InvalidInput unless the file's name ends in .png, IoError where there is no display or the file
 /// cannot be written.
-void draw_picture(const std::filesystem::path& file, std::span<const Panel> panels, vtkPolyData* boundary,
-                  vtkPolyData* subject, const PictureStyle& style);
+void draw_picture(const std::filesystem::path& file, std::span<const Panel> panels, const Walls& walls,
+                  const std::optional<Framing>& framing, const PictureStyle& style);
 
 }  // namespace kappaflow

@@ -3,23 +3,24 @@
 #include <fmt/format.h>
 #include <vtkDataArray.h>
 #include <vtkFieldData.h>
-#include <vtkNew.h>
-#include <vtkPoints.h>
-#include <vtkStaticCellLocator.h>
 #include <vtk_jsoncpp.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <span>
 #include <string_view>
+#include <tuple>
+#include <utility>
 
 #include "core/errors.h"
 #include "core/quantile.h"
 #include "tools/io/files.h"
 #include "tools/io/surface_file.h"
 #include "tools/pictures/film.h"
+#include "tools/pictures/hiding_walls.h"
 #include "tools/pictures/picture.h"
 #include "tools/runs/progress.h"
 #include "tools/runs/run_folder.h"
@@ -30,10 +31,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kHidden = 0.3;  // share of a surface that walls hide at most without being seen through
-constexpr double kGlass = 0.25;  // the opacity of walls that hide more
-constexpr vtkIdType kRays = 500;
 constexpr double kFallbackRate = 25;  // frames a second, where a run has one frame only
+constexpr double kFollowed = 0.5;     // how far a film's camera looks ahead and back [s]
+constexpr double kSpray = 0.002;      // share of a surface's vertices that may lie outside at each side
+constexpr double kMargin = 1.1;       // around the liquid
 
 std::vector<std::string> chosen_methods(const RenderOptions& options, const Json::Value& record) {
   std::vector<std::string> tracked;
@@ -69,25 +70,22 @@ class Drawing {
     while (has_frame(frames_)) ++frames_;
     if (frames_ == 0) throw InvalidInput(fmt::format("{} has no frames yet", options.folder.string()));
     style_ = {.columns = options.columns, .view = chosen_view(options, record_)};
+    if (options.size)
+      std::tie(style_.panel_width, style_.panel_height) = std::pair((*options.size)[0], (*options.size)[1]);
     if (fs::exists(options.folder / kBoundaryFile))
       walls_at_rest_ = read_surface(options.folder / kBoundaryFile);
-    const std::array<Sight, 2> ends{sight(0), sight(frames_ - 1)};
-    subject_ = subject_of(ends);
-    if (std::max(hidden_share(ends[0]), hidden_share(ends[1])) > kHidden) style_.wall_opacity = kGlass;
   }
 
   int frames() const { return frames_; }
-  /// Fixes the colours for frames [first, last].
-  void choose_colours(int first, int last);
-  /// Returns the frame's time [s].
-  double draw(const fs::path& file, int frame) const;
+  /// Fixes what is the same in frames [first, last]: colours, walls that are seen through, and the camera's
+  /// way, which sees `reach` frames ahead.
+  void prepare(int first, int last, int reach);
+  /// Draws a frame of those.
+  void draw(const fs::path& file, int frame) const;
+
+  std::vector<double> times() const;  ///< of all frames [s]
 
  private:
-  /// What a frame shows: walls, perhaps none, and the first method's surface.
-  struct Sight {
-    vtkSmartPointer<vtkPolyData> walls, liquid;
-  };
-
   bool has_frame(int frame) const {
     return std::ranges::all_of(
         methods_, [&](const auto& m) { return fs::exists(options_.folder / surface_file(m, frame)); });
@@ -96,16 +94,20 @@ class Drawing {
     return read_surface(options_.folder / surface_file(method, frame));
   }
   vtkSmartPointer<vtkPolyData> walls(int frame) const;
-  Sight sight(int frame) const { return {walls(frame), surface(methods_.front(), frame)}; }
-  static vtkSmartPointer<vtkPolyData> subject_of(std::span<const Sight> sights);
-  double hidden_share(const Sight& here) const;
+  void choose_colours(int first, int last);
+  void choose_glass(int first, int last);
+  Framing liquid_at(int frame) const;
+  Framing whole_scene() const;
 
   const RenderOptions& options_;
   Json::Value record_;
   std::vector<std::string> methods_;
   int frames_ = 0;
   PictureStyle style_;
-  vtkSmartPointer<vtkPolyData> walls_at_rest_, subject_;
+  vtkSmartPointer<vtkPolyData> walls_at_rest_;
+  std::vector<char> glass_;       // an entry a triangle of the walls
+  int first_ = 0;                 // of the frames that are drawn
+  std::vector<Framing> framing_;  // of each
 };
 
 vtkSmartPointer<vtkPolyData> Drawing::walls(int frame) const {
@@ -113,38 +115,48 @@ vtkSmartPointer<vtkPolyData> Drawing::walls(int frame) const {
   return fs::exists(moving) ? read_surface(moving) : walls_at_rest_;
 }
 
-/// What fills the picture, the same in every frame: walls and first surface in the first and the last frame.
-vtkSmartPointer<vtkPolyData> Drawing::subject_of(std::span<const Sight> sights) {
-  auto points = vtkSmartPointer<vtkPoints>::New();
-  for (const Sight& here : sights)
-    for (const auto& part : {here.walls, here.liquid})
-      if (part && part->GetNumberOfPoints() > 0)
-        points->InsertPoints(points->GetNumberOfPoints(), part->GetNumberOfPoints(), 0, part->GetPoints());
-  auto subject = vtkSmartPointer<vtkPolyData>::New();
-  subject->SetPoints(points);
-  return subject;
+void Drawing::prepare(int first, int last, int reach) {
+  choose_colours(first, last);
+  choose_glass(first, last);
+  first_ = first;
+  framing_.clear();
+  if (options_.fit == Fit::scene) {
+    framing_.assign(static_cast<std::size_t>(last - first + 1), whole_scene());
+    return;
+  }
+  for (int frame = first; frame <= last; ++frame) framing_.push_back(liquid_at(frame));
+  framing_ = followed(framing_, reach);
 }
 
-/// The share of the first surface's vertices, of some hundreds, that a wall hides from the viewer.
-double Drawing::hidden_share(const Sight& here) const {
-  const auto& [around, liquid] = here;
-  const vtkIdType vertices = liquid->GetNumberOfPoints();
-  if (!around || around->GetNumberOfCells() == 0 || vertices == 0) return 0;
-  vtkNew<vtkStaticCellLocator> locator;
-  locator->SetDataSet(around);
-  locator->BuildLocator();
-  const Vec3 to_viewer = 2 * subject_->GetLength() * style_.view.from.normalized();
-  const vtkIdType stride = 1 + vertices / kRays;
-  int rays = 0, hidden = 0;
-  for (vtkIdType v = 0; v < vertices; v += stride, ++rays) {
-    const Vec3 from(liquid->GetPoint(v)), to = from + to_viewer;
-    double along = 0;
-    Vec3 at, coordinates;
-    int part = 0;
-    hidden +=
-        locator->IntersectWithLine(from.data(), to.data(), 0, along, at.data(), coordinates.data(), part);
+/// The surfaces of all methods, but for some spray.
+Framing Drawing::liquid_at(int frame) const {
+  std::vector<vtkSmartPointer<vtkPolyData>> surfaces;
+  for (const std::string& method : methods_) surfaces.push_back(surface(method, frame));
+  const std::vector<vtkPolyData*> parts(surfaces.begin(), surfaces.end());
+  Framing liquid = framing(parts, style_.view, kSpray);
+  liquid.half *= kMargin;
+  return liquid;
+}
+
+/// Walls and first surface in the first and the last frame of the run.
+Framing Drawing::whole_scene() const {
+  const std::array parts{walls(0), walls(frames_ - 1), surface(methods_.front(), 0),
+                         surface(methods_.front(), frames_ - 1)};
+  const std::vector<vtkPolyData*> pointers(parts.begin(), parts.end());
+  return framing(pointers, style_.view, 0);
+}
+
+/// What hides the first surface in the first, the middle or the last frame: walls do not flicker.
+void Drawing::choose_glass(int first, int last) {
+  glass_.clear();
+  for (const int frame : {first, first + (last - first) / 2, last}) {
+    const auto here = walls(frame);
+    if (!here) continue;
+    const std::vector<char> hides =
+        hiding_triangles(*here, *surface(methods_.front(), frame), style_.view.from);
+    glass_.resize(hides.size());
+    std::ranges::transform(hides, glass_, glass_.begin(), std::bit_or<char>());
   }
-  return static_cast<double>(hidden) / rays;
 }
 
 void Drawing::choose_colours(int first, int last) {
@@ -157,6 +169,7 @@ void Drawing::choose_colours(int first, int last) {
         const ValueRange here = value_range(*surface(method, frame), options_.colour);
         range = {std::min(range[0], here[0]), std::max(range[1], here[1])};
       }
+  if (!options_.range) range = rounded(range);
   style_.colouring = colouring(*example, options_.colour, range);
 }
 
@@ -166,16 +179,21 @@ double time_of(vtkPolyData& surface) {
   return std::isfinite(value) ? value : 0;
 }
 
-double Drawing::draw(const fs::path& file, int frame) const {
+std::vector<double> Drawing::times() const {
+  std::vector<double> times;
+  for (int frame = 0; frame < frames_; ++frame) times.push_back(time_of(*surface(methods_.front(), frame)));
+  return times;
+}
+
+void Drawing::draw(const fs::path& file, int frame) const {
   std::vector<Panel> panels;
-  double time = 0;
   for (const std::string& method : methods_) {
     const auto drawn = surface(method, frame);
-    time = time_of(*drawn);
-    panels.push_back({fmt::format("{},  t = {:.2f} s", method, time), drawn});
+    panels.push_back({fmt::format("{},  t = {:.2f} s", method, time_of(*drawn)), drawn});
   }
-  draw_picture(file, panels, walls(frame), subject_, style_);
-  return time;
+  Walls around;
+  if (const auto here = walls(frame)) around = {part_of(*here, glass_, 0), part_of(*here, glass_, 1)};
+  draw_picture(file, panels, around, framing_[static_cast<std::size_t>(frame - first_)], style_);
 }
 
 int draw_one(const RenderOptions& options, Drawing& drawing) {
@@ -184,7 +202,7 @@ int draw_one(const RenderOptions& options, Drawing& drawing) {
   if (frame >= drawing.frames())
     throw InvalidInput(
         fmt::format("{} has frames 0 to {}, not {}", options.folder.string(), drawing.frames() - 1, frame));
-  drawing.choose_colours(frame, frame);
+  drawing.prepare(frame, frame, 0);
   drawing.draw(options.out, frame);
   return 0;
 }
@@ -208,15 +226,14 @@ int draw_all(const RenderOptions& options, const fs::path& film, Drawing& drawin
   if (options.frame) throw InvalidInput("--frame is of pictures, whose names end in .png");
   const fs::path pictures = pictures_folder(film);
   make_folder(pictures);
-  drawing.choose_colours(0, drawing.frames() - 1);
-  std::vector<double> times;
+  const double rate = options.frames_per_second.value_or(real_time_rate(drawing.times()));
+  drawing.prepare(0, drawing.frames() - 1, static_cast<int>(kFollowed * rate));
   for (int frame = 0; frame < drawing.frames(); ++frame) {
     draw_status_line(fmt::format("frame {}/{}", frame, drawing.frames() - 1));
-    times.push_back(drawing.draw(film_picture(pictures, frame), frame));
+    drawing.draw(film_picture(pictures, frame), frame);
   }
   draw_status_line("");
   remove_pictures_from(pictures, drawing.frames());
-  const double rate = options.frames_per_second.value_or(real_time_rate(times));
   make_film(film, pictures, drawing.frames(), rate);
   fmt::print("{}: {} frames, {:.4g} a second; each of them as a picture in {}\n", film.string(),
              drawing.frames(), rate, pictures.string());

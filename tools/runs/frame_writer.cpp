@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "core/stopwatch.h"
-#include "surface/measure/texture.h"
 #include "tools/io/vtp_files.h"
 #include "tools/runs/timings.h"
 
@@ -21,6 +20,8 @@ FrameWriter::FrameWriter(const FrameSource& source, const OutputDescription& out
   const TriangleMesh& mesh = surfaces_.mesh();
   first_ = {static_cast<std::int64_t>(mesh.vertex_count()), mesh.vertex_count()};
   initial_box_ = bounding_box(mesh.rest_position);
+  checker_ = checker_beside(mesh.rest_position, surfaces_.state().normal,
+                            output.checker_size * surfaces_.field_options().sigma);
   last_frame_.assign(methods_.size(), {mesh.next_id, mesh.vertex_count()});
   if (const std::vector<TriangleSurface> walls = source.walls_at_rest(); !walls.empty())
     folder.write_boundary(*boundary_data(walls));
@@ -81,13 +82,14 @@ SurfaceMetrics FrameWriter::write_surface(const FrameMetrics& frame, const Trian
 
 void FrameWriter::write_meshes(const FrameMetrics& frame, std::size_t m, const SurfaceState& state) {
   const TriangleMesh& mesh = surfaces_.mesh(m);
-  const double cube = output_.checker_size * surfaces_.field_options().sigma;
-  const std::vector<Rgb> checker = checker_colours(mesh.rest_position, cube);
   const std::vector<Vec2> texture = texture_coordinates(mesh.rest_position, initial_box_, output_.texture);
-  folder_.write_surface(frame.frame, methods_[m], *surface_data({frame.time, mesh, state, checker, texture}));
+  folder_.write_surface(frame.frame, methods_[m],
+                        *surface_data({frame.time, mesh, state, checker_, texture}));
+  if (formats_.empty()) return;
+  const std::vector<Rgb> colours = checker_colours(mesh.rest_position, checker_);
   for (const MeshFormat format : formats_)
     folder_.write_mesh(frame.frame, methods_[m], format,
-                       mesh_bytes(format, {mesh.position, state.normal, texture, checker, mesh.triangles}));
+                       mesh_bytes(format, {mesh.position, state.normal, texture, colours, mesh.triangles}));
 }
 
 /// The share of its vertices that the mesh still has.

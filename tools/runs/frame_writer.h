@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "scenes/scene.h"
+#include "surface/measure/texture.h"
 #include "tools/io/mesh_formats.h"
 #include "tools/runs/frame_source.h"
 #include "tools/runs/run_folder.h"
@@ -55,7 +56,8 @@ class FrameWriter {
   std::vector<MeshFormat> formats_;
   RunFolder& folder_;
   Earlier first_;
-  Bounds initial_box_;               // of the first mesh
+  Bounds initial_box_;  // of the first mesh
+  Checker checker_;
   std::vector<Earlier> last_frame_;  // the meshes at the last frame, one entry a method
 };
 

@@ -20,7 +20,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kTrackCommand = "track";
-constexpr double kCheckerSize = 2;  // in sigma
 
 /// Everything that follows from the options and the first frame.
 struct TrackSetup {
@@ -118,7 +117,6 @@ TrackOptions begun_with(const TrackOptions& options, const ParticleSequence& seq
 RunSettings settings_for(const TrackOptions& begun, const ParticleSequence& sequence,
                          const TrackSetup& setup) {
   OutputDescription output;
-  output.checker_size = kCheckerSize;
   return {.command = kTrackCommand,
           .title = sequence.name(),
           .output = output,

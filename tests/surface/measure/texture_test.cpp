@@ -17,7 +17,7 @@ TEST(Checker, FollowsTheParityOfTheCube) {
   for (int i = -3; i < 3; ++i)
     for (int j = -3; j < 3; ++j)
       for (int k = -3; k < 3; ++k) at.emplace_back(0.5 * Vec3(i + 0.3, j + 0.6, k + 0.9));
-  const std::vector<Rgb> colours = checker_colours(at, 0.5);
+  const std::vector<Rgb> colours = checker_colours(at, {.edge = 0.5});
   for (std::size_t v = 0; v < at.size(); ++v) {
     const Vec3 cube = (at[v] / 0.5).array().floor();
     EXPECT_EQ(is_blue(colours[v]), (static_cast<int>(cube.sum()) & 1) != 0);
@@ -27,16 +27,51 @@ TEST(Checker, FollowsTheParityOfTheCube) {
 TEST(Checker, OneCubeHasOneColourAndCubesDiffer) {
   std::vector<Vec3> at;
   for (int i = 0; i < 20; ++i) at.emplace_back(2 * i + 0.25, 0.5, 0.5);
-  const std::vector<Rgb> colours = checker_colours(at, 1.0);
+  const std::vector<Rgb> colours = checker_colours(at, {.edge = 1.0});
   std::vector<Vec3> moved = at;
   for (Vec3& x : moved) x += Vec3(0.5, 0.4, -0.4);
-  EXPECT_EQ(checker_colours(moved, 1.0), colours);
+  EXPECT_EQ(checker_colours(moved, {.edge = 1.0}), colours);
   EXPECT_GT(std::set<Rgb>(colours.begin(), colours.end()).size(), 10u) << "brightness varies";
 }
 
 TEST(Checker, HasAColourAnywhere) {
   const std::vector<Vec3> at{{1e300, -1e300, 0}, {HUGE_VAL, 0, 0}, {std::nan(""), 0, 0}};
-  EXPECT_EQ(checker_colours(at, 1e-3).size(), 3u);
+  EXPECT_EQ(checker_colours(at, {.edge = 1e-3}).size(), 3u);
+}
+
+TEST(Checker, StartsAtItsOrigin) {
+  const std::vector<Vec3> at{{0.3, -0.2, 0.7}, {2.3, 4.4, -1.2}, {-3.9, 0.1, 0.6}};
+  std::vector<Vec3> moved = at;
+  const Vec3 origin(0.25, -7, 3.5);
+  for (Vec3& x : moved) x += origin;
+  EXPECT_EQ(checker_colours(moved, {origin, 0.75}), checker_colours(at, {.edge = 0.75}));
+}
+
+/// The distance of x from the nearest plane of the checker [edges].
+double distance_to_plane(const Checker& checker, int axis, double x) {
+  const double cubes = (x - checker.origin[axis]) / checker.edge;
+  return std::abs(cubes - std::round(cubes));
+}
+
+TEST(Checker, HasNoPlaneInTheFacesOfABox) {
+  // Corners of a box's faces, with their normals: both faces of an axis can be a quarter of an edge away.
+  for (const double edge : {0.1, 0.13, 0.25, 0.6, 2.0}) {
+    const Vec3 lower(-0.5, 0.2, 1), upper(0.5, 0.9, 1.3);
+    std::vector<Vec3> position, normal;
+    for (int axis = 0; axis < 3; ++axis)
+      for (const bool high : {false, true})
+        for (const double share : {0.0, 0.3, 1.0}) {
+          Vec3 x = lower + share * (upper - lower);
+          x[axis] = high ? upper[axis] : lower[axis];
+          position.push_back(x);
+          normal.push_back(high ? Vec3::Unit(axis) : Vec3(-Vec3::Unit(axis)));
+        }
+    const Checker checker = checker_beside(position, normal, edge);
+    EXPECT_EQ(checker.edge, edge);
+    for (int axis = 0; axis < 3; ++axis)
+      for (const double x : {lower[axis], upper[axis]})
+        EXPECT_GT(distance_to_plane(checker, axis, x), 0.2) << edge << " " << axis;
+  }
 }
 
 TEST(TextureCoordinates, PlanarSpansTheBox) {

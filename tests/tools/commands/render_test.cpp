@@ -87,6 +87,15 @@ TEST_F(Render, WrongChoicesAreOneLine) {
   EXPECT_EQ(render({"--view", "0,-2,0"}).err,
             "kappaflow: error: the direction to the viewer and the one that is up must be neither zero nor "
             "parallel\n");
+  EXPECT_EQ(render({"--size", "900"}).err,
+            "kappaflow: error: --size: found \"900\"; expected WIDTH,HEIGHT; see kappaflow render --help\n");
+  EXPECT_EQ(render({"--size", "900,20"}).err,
+            "kappaflow: error: --size: found 20; expected whole numbers from 100 to 8000; see kappaflow "
+            "render --help\n");
+  EXPECT_EQ(render({"--fit", "liquids"}).err,
+            "kappaflow: error: --fit: found \"liquids\"; expected one of liquid, scene (did you mean "
+            "\"liquid\"?); see "
+            "kappaflow render --help\n");
   EXPECT_EQ(render({"--fps", "10"}).err, "kappaflow: error: --fps is of films, whose names end in .mp4\n");
   EXPECT_EQ(render({"--frame", "0", "--out", (folder / "a.mp4").string()}).err,
             "kappaflow: error: --frame is of pictures, whose names end in .png\n");
@@ -105,6 +114,15 @@ struct Image {
   vtkSmartPointer<vtkPNGReader> reader = vtkSmartPointer<vtkPNGReader>::New();
   vtkImageData* data;
 };
+
+/// The share of the picture's pixels that are clearly blue, as the checker is and walls are not.
+double blue_share(const Image& image) {
+  const int* dims = image.data->GetDimensions();
+  int blue = 0;
+  for (int y = 0; y < dims[1]; ++y)
+    for (int x = 0; x < dims[0]; ++x) blue += image.at(x, y, 2) > image.at(x, y, 0) + 25;
+  return blue / (1.0 * dims[0] * dims[1]);
+}
 
 /// Where values lie outside of the range, surfaces have the colours of its ends: dark violet and yellow.
 TEST_F(Render, ColoursByAnyArray) {
@@ -155,7 +173,7 @@ class Film : public Render {
   ProgramResult film(const std::string& ffmpeg) const {
     const auto program = file("ffmpeg", "#!/bin/sh\n" + ffmpeg);
     std::filesystem::permissions(program, std::filesystem::perms::owner_all);
-    return run_program({"render", folder.string(), "--methods", "total"},
+    return run_program({"render", folder.string(), "--methods", "total", "--size", "300,260"},
                        {"PATH=" + folder.string() + ":" + std::getenv("PATH")});
   }
 };
@@ -183,9 +201,9 @@ TEST_F(Film, HasItsPicturesApartFromOtherFiles) {
   file("holiday/frame_0002.jpg", "mine");
   const auto expect_apart = [&](const std::filesystem::path& film) {
     const std::string pictures = film.parent_path() / ("frames-" + film.stem().string());
-    const ProgramResult result =
-        run_program({"render", folder.string(), "--methods", "total", "--out", film.string()},
-                    {"PATH=" + folder.string() + ":" + std::getenv("PATH")});
+    const ProgramResult result = run_program(
+        {"render", folder.string(), "--methods", "total", "--size", "300,260", "--out", film.string()},
+        {"PATH=" + folder.string() + ":" + std::getenv("PATH")});
     EXPECT_EQ(result.exit_code, 0) << result.err;
     EXPECT_TRUE(result.out.ends_with("each of them as a picture in " + pictures + "\n")) << result.out;
     EXPECT_TRUE(std::filesystem::exists(std::filesystem::path(pictures) / "frame_0001.png"));
@@ -218,6 +236,17 @@ TEST_F(Film, IsAbsentWhereFfmpegFails) {
     EXPECT_FALSE(std::filesystem::exists(film_name + ".tmp"));
     EXPECT_TRUE(std::filesystem::exists(folder / "film/frame_0001.png"));
   }
+}
+
+TEST_F(Render, FitsTheLiquidOrTheScene) {
+  const auto share = [&](const std::vector<std::string>& more) {
+    EXPECT_EQ(render(more).exit_code, 0);
+    return blue_share(Image(folder / "a.png"));
+  };
+  const double liquid = share({"--frame", "0"}), scene = share({"--frame", "0", "--fit", "scene"});
+  EXPECT_GT(liquid, 0.1);
+  EXPECT_GT(scene, 0.002);
+  EXPECT_GT(liquid, 5 * scene);
 }
 
 TEST_F(Film, IsAFilm) {
@@ -301,15 +330,6 @@ TEST_F(EndsAtOnce, WhileAnExperimentRuns) {
   const auto out = folder / "out";
   expect_end({"experiment", "fig9", "--quick", "--quiet", "--force", "--out", out.string()},
              {0, out / "fig9/run/surface-total/surface_0002.vtp"});
-}
-
-/// The share of the picture's pixels that are clearly blue, as the checker is and walls are not.
-double blue_share(const Image& image) {
-  const int* dims = image.data->GetDimensions();
-  int blue = 0;
-  for (int y = 0; y < dims[1]; ++y)
-    for (int x = 0; x < dims[0]; ++x) blue += image.at(x, y, 2) > image.at(x, y, 0) + 25;
-  return blue / (1.0 * dims[0] * dims[1]);
 }
 
 TEST_F(Render, WallsThatHideTheLiquidAreSeenThrough) {

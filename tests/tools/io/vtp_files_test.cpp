@@ -50,7 +50,6 @@ struct Square {
       state.mean_curvature.push_back(1 + v);
       state.gaussian_curvature.push_back(2 + v);
       state.material_slip.push_back(3 + v);
-      checker.push_back({static_cast<std::uint8_t>(v), 10, 255});
       texture.emplace_back(0.1 * v, 0.5);
     }
     mesh.source = {4, 3, kUnknownSource, 4};
@@ -60,7 +59,7 @@ struct Square {
 
   TriangleMesh mesh;
   SurfaceState state;
-  std::vector<Rgb> checker;
+  Checker checker{Vec3(0.1, 0.2, 0.3), 0.25};
   std::vector<Vec2> texture;
 };
 
@@ -108,13 +107,15 @@ TEST_F(DataFiles, SurfaceKeepsItsValues) {
   const Square square;
   const auto data = written_and_read(square.data());
   vtkPointData& arrays = *data->GetPointData();
+  const std::vector<Rgb> colours = checker_colours(square.mesh.rest_position, square.checker);
   ASSERT_EQ(data->GetNumberOfPoints(), 4);
   for (vtkIdType v = 0; v < 4; ++v) {
     EXPECT_EQ(Vec3(data->GetPoint(v)), square.mesh.position[v]) << "to the last bit";
     EXPECT_EQ(Vec3(arrays.GetArray("rest_position")->GetTuple3(v)), square.mesh.rest_position[v]);
     EXPECT_EQ(Vec3(arrays.GetArray("velocity")->GetTuple3(v)), square.state.motion.velocity[v]);
     EXPECT_EQ(arrays.GetArray("material_slip")->GetTuple1(v), 3.0 + static_cast<double>(v));
-    EXPECT_EQ(arrays.GetArray("checker")->GetComponent(v, 0), static_cast<double>(v));
+    for (int c = 0; c < 3; ++c)
+      EXPECT_EQ(arrays.GetArray("checker")->GetComponent(v, c), colours[static_cast<std::size_t>(v)][c]);
     EXPECT_EQ(arrays.GetArray("source")->GetTuple1(v), square.mesh.source[v]);
     EXPECT_EQ(arrays.GetArray("unprojected")->GetTuple1(v), v == 2 ? 1 : 0);
   }
@@ -198,10 +199,14 @@ TEST_F(DataFiles, SurfacesAreReadToBeDrawn) {
   expect_array(arrays, "source", VTK_INT, 1);
   EXPECT_EQ(arrays.GetNormals(), arrays.GetArray("Normals")) << "active";
   expect_time(*data, 0.16);
+  EXPECT_EQ(Vec3(data->GetFieldData()->GetArray("checker_origin")->GetTuple3(0)), square.checker.origin);
+  EXPECT_EQ(data->GetFieldData()->GetArray("checker_edge")->GetTuple1(0), square.checker.edge);
+  const std::vector<Rgb> colours = checker_colours(square.mesh.rest_position, square.checker);
   for (vtkIdType v = 0; v < 4; ++v) {
     EXPECT_EQ(Vec3(data->GetPoint(v)), square.mesh.position[v]);
     EXPECT_EQ(Vec3(arrays.GetArray("velocity")->GetTuple3(v)), square.state.motion.velocity[v]);
-    EXPECT_EQ(arrays.GetArray("checker")->GetComponent(v, 0), static_cast<double>(v));
+    for (int c = 0; c < 3; ++c)
+      EXPECT_EQ(arrays.GetArray("checker")->GetComponent(v, c), colours[static_cast<std::size_t>(v)][c]);
     EXPECT_EQ(arrays.GetArray("source")->GetTuple1(v), square.mesh.source[v]);
   }
 }
