@@ -25,7 +25,7 @@ struct FluidParticles {
   std::vector<std::uint32_t> id;
   std::vector<Vec4f> position;             ///< [m]; w: kappa of the pressure solve that runs, see pressure.h
   std::vector<Vec4f> velocity;             ///< [m/s]
-  std::vector<Vec4f> viscous_change;       ///< of the velocity in the last step [m/s]; starts the next solve
+  std::vector<Vec4f> viscous_velocity;     ///< after the last step's viscosity [m/s]; starts the next solve
   std::vector<float> density_pressure;     ///< kappa of the constant-density solve [m2/s2], see pressure.h
   std::vector<float> divergence_pressure;  ///< kappa of the divergence-free solve [m2/s2]
   std::vector<std::uint8_t> fluid;         ///< which of the fluids of FluidOptions it belongs to
@@ -46,12 +46,12 @@ struct FluidParticles {
   /// See core/saved_state.h.
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(id, position, velocity, viscous_change, density_pressure, divergence_pressure, fluid, led_by,
+    archive(id, position, velocity, viscous_velocity, density_pressure, divergence_pressure, fluid, led_by,
             source);
   }
 
   std::size_t bytes() const {
-    return bytes_of(id, position, velocity, viscous_change, density_pressure, divergence_pressure, fluid,
+    return bytes_of(id, position, velocity, viscous_velocity, density_pressure, divergence_pressure, fluid,
                     led_by, source, density, gradient_sum, gradient_square_sum, scratch[0], scratch[1],
                     scratch[2], scalar_scratch);
   }
@@ -61,7 +61,7 @@ struct FluidParticles {
     id.push_back(static_cast<std::uint32_t>(size()));
     position.push_back(padded(x));
     velocity.push_back(padded(v));
-    viscous_change.emplace_back(Vec4f::Zero());
+    viscous_velocity.push_back(padded(v));
     density_pressure.push_back(0);
     divergence_pressure.push_back(0);
     fluid.push_back(of_fluid);

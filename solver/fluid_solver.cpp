@@ -24,7 +24,7 @@ namespace kappaflow {
 namespace {
 
 // Errors at the last iteration beyond which the flow is no longer the liquid's.
-constexpr double kFailedViscosity = 0.1;  // relative residual [1]
+constexpr double kFailedViscosity = 10;   // of what is tolerated [1]
 constexpr double kFailedPressure = 0.01;  // mean compression [1]
 // Motion in one step beyond which the flow explodes [spacings]; cfl, at most 1, is what was planned.
 constexpr double kFailedMotion = 10;
@@ -171,6 +171,7 @@ FluidStep FluidSolver::step(double time_left) {
   done.seconds.forces = watch.lap();
   const ViscositySolve viscosity = s.viscosity.solve(s.particles, s.neighbours, s.wall_sums, dt);
   done.viscosity_iterations = viscosity.iterations;
+  done.viscosity_error = viscosity.error;
   done.seconds.viscosity = watch.lap();
   const PressureSolve density = s.pressure.correct_density(s.particles, s.neighbours, s.wall_sums, dt);
   done.density_iterations = density.iterations;
@@ -252,12 +253,14 @@ void FluidSolver::State::check_finite() const {
 }
 
 void FluidSolver::State::check_viscosity(const ViscositySolve& solve) const {
-  if (solve.residual <= std::max(kFailedViscosity, options.viscosity_tolerance)) return;
+  if (solve.error <= kFailedViscosity) return;
   throw SolverFailure(
       time, steps + 1, fastest_particle(particles),
-      fmt::format("the viscosity solver is at a relative residual of {:.2g} after {} iterations; raise "
-                  "max_viscosity_iterations (now {}), or lower max_time_step (now {} s) or the viscosity",
-                  solve.residual, solve.iterations, options.max_viscosity_iterations, options.max_time_step));
+      fmt::format("the viscosity solver's error is {:.2g} times what is tolerated after {} iterations; raise "
+                  "max_viscosity_iterations (now {}) or viscosity_tolerance (now {}), or lower max_time_step "
+                  "(now {} s)",
+                  solve.error, solve.iterations, options.max_viscosity_iterations,
+                  options.viscosity_tolerance, options.max_time_step));
 }
 
 void FluidSolver::State::check_pressure(const PressureSolve& solve, const char* solver,

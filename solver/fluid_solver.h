@@ -30,6 +30,7 @@ struct FluidStep {
   int density_iterations = 0;
   int divergence_iterations = 0;
   int viscosity_iterations = 0;
+  double viscosity_error = 0;     ///< see ViscositySolve: at most 1, or the solve has not converged [1]
   double density_error_mean = 0;  ///< mean of max(rho/rho0 - 1, 0) over the particles [1]
   double density_error_max = 0;   ///< maximum likewise [1]
   double fastest = 0;             ///< largest particle speed [m/s]

@@ -94,7 +94,7 @@ void NeighbourSearch::permute(std::vector<T>& array, std::vector<T>& buffer) con
 void NeighbourSearch::sort(FluidParticles& particles) {
   grid_.build(std::span<const Vec4f>(particles.position), kernel_.support());
   permute(particles.id, id_buffer_);
-  for (auto* array : {&particles.position, &particles.velocity, &particles.viscous_change})
+  for (auto* array : {&particles.position, &particles.velocity, &particles.viscous_velocity})
     permute(*array, particles.scratch[0]);
   for (auto* array : {&particles.density_pressure, &particles.divergence_pressure})
     permute(*array, particles.scalar_scratch);

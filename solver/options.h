@@ -57,7 +57,7 @@ struct FluidOptions {
   double density_tolerance = 1e-4;     ///< mean compression at which the pressure solver stops [1]
   double divergence_tolerance = 1e-3;  ///< mean rate of compression times the time step, likewise [1]
   int max_pressure_iterations = 100;
-  double viscosity_tolerance = 1e-3;  ///< relative residual at which the viscosity solver stops [1]
+  double viscosity_tolerance = 1e-2;  ///< of the velocities' error, at which viscosity stops: viscosity.h [1]
   int max_viscosity_iterations = 100;
 };
 

@@ -111,10 +111,10 @@ void sum_walls(benchmark::State& state) {
 void viscosity_iteration(benchmark::State& state) {
   Phases p(count(state));
   ViscositySolver solver(p.options);
-  const std::vector<Vec4f> velocity = p.particles.velocity, change = p.particles.viscous_change;
+  const std::vector<Vec4f> velocity = p.particles.velocity, change = p.particles.viscous_velocity;
   measure(state, [&] {
     p.particles.velocity = velocity;
-    p.particles.viscous_change = change;
+    p.particles.viscous_velocity = change;
     return solver.solve(p.particles, p.lists, p.wall_sums, kTimeStep).iterations;
   });
 }

@@ -135,7 +135,7 @@ TEST(Neighbours, SortingCarriesEveryAttribute) {
   for (std::size_t i = 0; i < p.size(); ++i) {
     p.density_pressure[i] = static_cast<float>(p.id[i]);
     p.divergence_pressure[i] = -static_cast<float>(p.id[i]);
-    p.viscous_change[i] = Vec4f::Constant(static_cast<float>(p.id[i]));
+    p.viscous_velocity[i] = Vec4f::Constant(static_cast<float>(p.id[i]));
     p.position[i] = Vec4f(0.4f, -0.3f, 0.2f, 0) - p.position[i];
   }
   liquid.update();
@@ -144,7 +144,7 @@ TEST(Neighbours, SortingCarriesEveryAttribute) {
     ids.insert(p.id[i]);
     EXPECT_EQ(p.density_pressure[i], static_cast<float>(p.id[i]));
     EXPECT_EQ(p.divergence_pressure[i], -static_cast<float>(p.id[i]));
-    EXPECT_EQ(p.viscous_change[i], Vec4f::Constant(static_cast<float>(p.id[i])));
+    EXPECT_EQ(p.viscous_velocity[i], Vec4f::Constant(static_cast<float>(p.id[i])));
     EXPECT_EQ(p.velocity[i], padded(velocity[p.id[i]]));
     EXPECT_EQ(p.position[i], Vec4f(0.4f, -0.3f, 0.2f, 0) - padded(points[p.id[i]]));
   }

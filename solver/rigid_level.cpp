@@ -1,0 +1,272 @@
+#include "solver/rigid_level.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <numeric>
+
+#include "core/bytes.h"
+#include "core/parallel.h"
+
+namespace kappaflow {
+namespace {
+
+constexpr std::size_t kCellGrain = 16;  // cells that a task works on
+constexpr int kColours = 8;             // a cell's is the parity of its place: the last bits of its key
+constexpr std::int64_t kLastPlace = (std::int64_t{1} << RigidLevel::kBitsOfPlace) - 1;
+
+// Sums in single precision are uncertain by about this share; blocks are made so much stiffer, lest one that
+// has a stiff and a soft direction loses the latter, or its sign. It slows nothing but such cells.
+constexpr double kUncertainty = 1e-6;
+
+/// Every third bit, from the lowest.
+std::uint64_t spread(std::uint64_t bits) {
+  bits = (bits | bits << 32) & 0x1f00000000ffff;
+  bits = (bits | bits << 16) & 0x1f0000ff0000ff;
+  bits = (bits | bits << 8) & 0x100f00f00f00f00f;
+  bits = (bits | bits << 4) & 0x10c30c30c30c30c3;
+  return (bits | bits << 2) & 0x1249249249249249;
+}
+
+std::int64_t gathered(std::uint64_t bits) {
+  bits &= 0x1249249249249249;
+  bits = (bits | bits >> 2) & 0x10c30c30c30c30c3;
+  bits = (bits | bits >> 4) & 0x100f00f00f00f00f;
+  bits = (bits | bits >> 8) & 0x1f0000ff0000ff;
+  bits = (bits | bits >> 16) & 0x1f00000000ffff;
+  return static_cast<std::int64_t>((bits | bits >> 32) & static_cast<std::uint64_t>(kLastPlace));
+}
+
+std::uint32_t find(std::span<const std::uint64_t> keys, std::uint64_t key) {
+  const auto at = std::ranges::lower_bound(keys, key);
+  return at != keys.end() && *at == key ? static_cast<std::uint32_t>(at - keys.begin()) : RigidLevel::kNone;
+}
+
+/// The k-th of the thirteen neighbours that come after a place.
+std::array<std::int64_t, 3> neighbour_after(const std::array<std::int64_t, 3>& place, int k) {
+  const int code = 14 + k;
+  return {place[0] + code % 3 - 1, place[1] + code / 3 % 3 - 1, place[2] + code / 9 - 1};
+}
+
+/// Turns counts, with one entry more than there are, into where each begins.
+void counts_to_begins(std::vector<std::uint32_t>& counts) {
+  std::exclusive_scan(counts.begin(), counts.end(), counts.begin(), std::uint32_t{0});
+}
+
+RigidMatrix inverse_of(const RigidMatrix& matrix, double inertia) {
+  using Matrix = Eigen::Matrix<double, 6, 6>;
+  Matrix m = rigid::squared(matrix);
+  m.diagonal().tail<3>().array() += inertia;
+  m.diagonal() *= 1 + kUncertainty;
+  const auto scale = m.diagonal().cwiseSqrt().cwiseInverse().eval();
+  m = (scale.asDiagonal() * m * scale.asDiagonal()).eval();
+  m = m.llt().solve(Matrix(scale.asDiagonal())).eval();
+  m = (scale.asDiagonal() * m).eval();
+  RigidMatrix result = RigidMatrix::Zero();
+  result.topRows<3>() = m.topRows<3>().cast<float>();
+  result.middleRows<3>(4) = m.bottomRows<3>().cast<float>();
+  return result;
+}
+
+}  // namespace
+
+std::uint64_t RigidLevel::key_of(const std::array<std::int64_t, 3>& place) {
+  return spread(static_cast<std::uint64_t>(place[0])) | spread(static_cast<std::uint64_t>(place[1])) << 1 |
+         spread(static_cast<std::uint64_t>(place[2])) << 2;
+}
+
+std::array<std::int64_t, 3> RigidLevel::place_of(std::uint64_t key) {
+  return {gathered(key), gathered(key >> 1), gathered(key >> 2)};
+}
+
+std::size_t RigidLevel::bytes() const {
+  return bytes_of(key, centre, first_link, links, coupling, anchor, load, motion, parent_, first_child_,
+                  first_in_row_, row_, first_of_colour_, coloured_, after_, inverse_);
+}
+
+void RigidLevel::reset(std::span<const std::uint64_t> keys) {
+  const std::size_t n = keys.size();
+  key.assign(keys.begin(), keys.end());
+  link_cells();
+  find_rows();
+  find_colours();
+  centre.resize(n);
+  parent_.resize(n);
+  load.resize(n);
+  motion.resize(n);
+  inverse_.resize(n);
+  anchor.assign(n, RigidMatrix::Zero());
+  coupling.assign(links.size(), RigidMatrix::Zero());
+}
+
+void RigidLevel::link_cells() {
+  after_.resize(cells());
+  parallel_for(cells(), [this](std::size_t cell) {
+    const auto place = place_of(key[cell]);
+    for (int k = 0; k < 13; ++k) {
+      const auto other = neighbour_after(place, k);
+      const bool exists =
+          std::ranges::all_of(other, [](std::int64_t c) { return c >= 0 && c <= kLastPlace; });
+      after_[cell][static_cast<std::size_t>(k)] = exists ? find(key, key_of(other)) : kNone;
+    }
+  });
+  first_link.assign(1, 0);
+  links.clear();
+  for (std::uint32_t cell = 0; cell < cells(); ++cell) {
+    for (const std::uint32_t other : after_[cell])
+      if (other != kNone) links.push_back({cell, other});
+    first_link.push_back(static_cast<std::uint32_t>(links.size()));
+  }
+}
+
+void RigidLevel::find_rows() {
+  first_in_row_.assign(cells() + 1, 0);
+  for (const Link& link : links) ++first_in_row_[link.from], ++first_in_row_[link.to];
+  counts_to_begins(first_in_row_);
+  row_.resize(2 * links.size());
+  std::vector<std::uint32_t> end = first_in_row_;
+  for (std::uint32_t k = 0; k < links.size(); ++k) {
+    row_[end[links[k].from]++] = k;
+    row_[end[links[k].to]++] = k;
+  }
+}
+
+void RigidLevel::find_colours() {
+  first_of_colour_.assign(kColours + 1, 0);
+  for (const std::uint64_t k : key) ++first_of_colour_[k % kColours];
+  counts_to_begins(first_of_colour_);
+  coloured_.resize(cells());
+  std::vector<std::uint32_t> end = first_of_colour_;
+  for (std::uint32_t cell = 0; cell < cells(); ++cell) coloured_[end[key[cell] % kColours]++] = cell;
+}
+
+bool RigidLevel::coarsen(RigidLevel& finer) {
+  if (finer.links.empty()) return false;
+  std::vector<std::uint64_t> keys;
+  for (int bits = 3; keys.empty() || keys.size() == finer.cells(); bits += 3) {
+    keys.clear();
+    first_child_.clear();
+    for (std::uint32_t cell = 0; cell < finer.cells(); ++cell) {
+      const std::uint64_t above = finer.key[cell] >> bits;
+      if (keys.empty() || above != keys.back()) {
+        keys.push_back(above);
+        first_child_.push_back(cell);
+      }
+      finer.parent_[cell] = static_cast<std::uint32_t>(keys.size() - 1);
+    }
+  }
+  first_child_.push_back(static_cast<std::uint32_t>(finer.cells()));
+  reset(keys);
+  parallel_for(
+      cells(), [&](std::size_t cell) { gather_from(finer, cell); }, kCellGrain);
+  return true;
+}
+
+void RigidLevel::gather_from(const RigidLevel& finer, std::size_t cell) {
+  Vec4f sum = Vec4f::Zero();
+  for (std::uint32_t child = first_child_[cell]; child < first_child_[cell + 1]; ++child) {
+    const float mass = finer.centre[child][3];
+    sum += Vec4f(mass * finer.centre[child][0], mass * finer.centre[child][1], mass * finer.centre[child][2],
+                 mass);
+  }
+  centre[cell] = {sum[0] / sum[3], sum[1] / sum[3], sum[2] / sum[3], sum[3]};
+  for (std::uint32_t child = first_child_[cell]; child < first_child_[cell + 1]; ++child) {
+    anchor[cell] += rigid::matrix_from(finer.anchor[child], finer.centre[child] - centre[cell]);
+    for (std::uint32_t k = finer.first_in_row_[child]; k < finer.first_in_row_[child + 1]; ++k) {
+      const Link& link = finer.links[finer.row_[k]];
+      const std::uint32_t other = finer.parent_[link.from == child ? link.to : link.from];
+      for (std::uint32_t own = first_link[cell]; own < first_link[cell + 1]; ++own)
+        if (links[own].to == other)
+          coupling[own] +=
+              rigid::matrix_from(finer.coupling[finer.row_[k]], finer.centre[link.from] - centre[cell]);
+    }
+  }
+}
+
+RigidMatrix RigidLevel::diagonal(std::size_t cell) const {
+  RigidMatrix sum = anchor[cell];
+  for (std::uint32_t k = first_in_row_[cell]; k < first_in_row_[cell + 1]; ++k) {
+    const std::uint32_t from = links[row_[k]].from;
+    if (from == cell)
+      sum += coupling[row_[k]];
+    else
+      sum += rigid::matrix_from(coupling[row_[k]], centre[from] - centre[cell]);
+  }
+  return sum;
+}
+
+void RigidLevel::invert(float inertia) {
+  parallel_for(
+      cells(),
+      [&](std::size_t cell) {
+        inverse_[cell] = inverse_of(diagonal(cell), static_cast<double>(inertia * centre[cell][3]));
+      },
+      kCellGrain);
+}
+
+RigidVector RigidLevel::residual(std::size_t cell) const {
+  RigidVector result = load[cell] - rigid::product(anchor[cell], motion[cell]);
+  for (std::uint32_t k = first_in_row_[cell]; k < first_in_row_[cell + 1]; ++k) {
+    const auto [from, to] = links[row_[k]];
+    const Vec4f arm = centre[from] - centre[to];
+    const RigidVector pull =
+        rigid::product(coupling[row_[k]], motion[from] - rigid::motion_about(motion[to], arm));
+    if (from == cell)
+      result -= pull;
+    else
+      result += rigid::load_from(pull, arm);
+  }
+  return result;
+}
+
+void RigidLevel::relax(bool forward) {
+  for (int k = 0; k < kColours; ++k) {
+    const std::size_t colour = static_cast<std::size_t>(forward ? k : kColours - 1 - k);
+    const std::uint32_t begin = first_of_colour_[colour];
+    parallel_for(
+        first_of_colour_[colour + 1] - begin,
+        [&](std::size_t c) {
+          const std::uint32_t cell = coloured_[begin + c];
+          motion[cell] += rigid::product(inverse_[cell], residual(cell));
+        },
+        kCellGrain);
+  }
+}
+
+void RigidLevel::restrict_to(RigidLevel& coarser) const {
+  parallel_for(
+      coarser.cells(),
+      [&](std::size_t cell) {
+        RigidVector sum = RigidVector::Zero();
+        for (std::uint32_t child = coarser.first_child_[cell]; child < coarser.first_child_[cell + 1];
+             ++child)
+          sum += rigid::load_from(residual(child), centre[child] - coarser.centre[cell]);
+        coarser.load[cell] = sum;
+        coarser.motion[cell].setZero();
+      },
+      kCellGrain / 8);
+}
+
+void RigidLevel::add_from(const RigidLevel& coarser) {
+  parallel_for(cells(), [&](std::size_t cell) {
+    const std::uint32_t above = parent_[cell];
+    motion[cell] += rigid::motion_about(coarser.motion[above], centre[cell] - coarser.centre[above]);
+  });
+}
+
+std::vector<std::uint32_t> RigidLevel::components() const {
+  std::vector<std::uint32_t> root(cells());
+  std::iota(root.begin(), root.end(), 0u);
+  const auto root_of = [&](std::uint32_t cell) {
+    while (root[cell] != cell) cell = root[cell] = root[root[cell]];
+    return cell;
+  };
+  for (std::size_t k = 0; k < links.size(); ++k) {
+    if (coupling[k].topLeftCorner<3, 3>().trace() == 0) continue;
+    const auto [a, b] = std::minmax({root_of(links[k].from), root_of(links[k].to)});
+    root[b] = a;
+  }
+  for (std::uint32_t cell = 0; cell < cells(); ++cell) root[cell] = root_of(cell);
+  return root;
+}
+
+}  // namespace kappaflow

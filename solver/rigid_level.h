@@ -1,0 +1,80 @@
+// One level of the multigrid for viscosity: cells of liquid that move as rigid bodies.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "solver/rigid_motion.h"
+
+namespace kappaflow {
+
+/// Cubic cells of a grid, those that hold liquid, in Morton order, so that the 2x2x2 cells of a coarser one
+/// follow each other. Each has a rigid motion m about its centre; neighbours, also across edges and corners,
+/// are linked. The system is that of the particles for velocities that are rigid in each cell:
+///   (A m)_I = K_I m_I + sum_J T_IJ^T S_IJ (m_I - m_J)   (all about from's centre in the bracket),
+/// S_IJ the sum over the pairs of particles between two cells, K_I that over the cell's particles, of inertia
+/// and walls. A common rigid motion of two cells costs nothing, whatever the rounding.
+class RigidLevel {
+ public:
+  static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+  static constexpr int kBitsOfPlace = 21;  // a key has three of them
+
+  struct Link {
+    std::uint32_t from, to;  // cells; `to` is one of the thirteen neighbours that come after `from`
+  };
+
+  static std::uint64_t key_of(const std::array<std::int64_t, 3>& place);
+  static std::array<std::int64_t, 3> place_of(std::uint64_t key);
+
+  /// Sets the cells, ascending, and links them; all sums are 0.
+  void reset(std::span<const std::uint64_t> keys);
+  /// Adds up the finer level's sums. Sets its cells' parents. False where there would be nothing to gain.
+  bool coarsen(RigidLevel& finer);
+  /// What relax_*() needs, once the sums stand. inertia: of a particle, see kInertia [m2].
+  void invert(float inertia);
+
+  std::size_t cells() const { return key.size(); }
+  std::span<const Link> links_from(std::size_t cell) const {
+    return {links.data() + first_link[cell], first_link[cell + 1] - first_link[cell]};
+  }
+
+  /// One round of block Gauss-Seidel on A motion = load, by colours, which do not touch each other.
+  void relax(bool forward);
+  /// load - A motion at one cell.
+  RigidVector residual(std::size_t cell) const;
+  /// The coarser level's load is this one's residual, and its motion 0.
+  void restrict_to(RigidLevel& coarser) const;
+  /// Adds the coarser level's motion.
+  void add_from(const RigidLevel& coarser);
+
+  /// The connected component of each cell, by its first cell.
+  std::vector<std::uint32_t> components() const;
+
+  std::size_t bytes() const;
+
+  std::vector<std::uint64_t> key;
+  std::vector<Vec4f> centre;              ///< [m]; w: particles
+  std::vector<std::uint32_t> first_link;  ///< of those from a cell; one more than cells
+  std::vector<Link> links;
+  std::vector<RigidMatrix> coupling;  ///< S of each link, about the centre of `from`
+  std::vector<RigidMatrix> anchor;    ///< K of each cell
+  std::vector<RigidVector> load, motion;
+
+ private:
+  void link_cells();
+  void find_rows();
+  void find_colours();
+  void gather_from(const RigidLevel& finer, std::size_t cell);
+  RigidMatrix diagonal(std::size_t cell) const;
+
+  std::vector<std::uint32_t> parent_;
+  std::vector<std::uint32_t> first_child_;         // in the finer level
+  std::vector<std::uint32_t> first_in_row_, row_;  // the links of a cell, both ways
+  std::vector<std::uint32_t> first_of_colour_, coloured_;
+  std::vector<std::array<std::uint32_t, 13>> after_;  // cells, while links are found
+  std::vector<RigidMatrix> inverse_;
+};
+
+}  // namespace kappaflow
