@@ -1,5 +1,6 @@
 #include "solver/time_step.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -11,8 +12,9 @@ double cfl_time_step(double speed, double acceleration, double distance) {
 }
 
 double fit_time_step(double longest, double time_left) {
-  if (time_left <= longest) return time_left;
-  return time_left < 2 * longest ? 0.5 * time_left : longest;
+  constexpr double kRounding = 1e-9;  // of the sum of the steps before; no reason for one step more
+  const double steps = std::max(1.0, std::ceil(time_left / longest - kRounding));
+  return std::isinf(steps) ? longest : time_left / steps;
 }
 
 }  // namespace kappaflow

@@ -8,8 +8,9 @@ namespace kappaflow {
 /// end). [s]
 double cfl_time_step(double speed, double acceleration, double distance);
 
-/// `longest`, shortened such that the steps end exactly at time_left and the last is no sliver: time_left
-/// when it is at most `longest`, half of it when it is less than two steps. [s]
+/// `longest`, shortened such that equal steps end exactly at time_left. Equal, for what is left of a
+/// compression takes a pressure of its size over dt^2 to undo: a step half as long as those before would see
+/// four times as much. [s]
 double fit_time_step(double longest, double time_left);
 
 }  // namespace kappaflow

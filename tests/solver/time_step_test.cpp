@@ -31,5 +31,20 @@ TEST(TimeStep, NeverLeavesASliver) {
   }
 }
 
+TEST(TimeStep, StepsToAFrameAreEqualAndNoMoreThanNeeded) {
+  int steps = 0;
+  double time = 0;
+  for (int frame = 1; frame <= 50; ++frame)
+    for (const double end = 0.04 * frame, first = fit_time_step(0.005, end - time); end - time > 1e-12;) {
+      const double dt = fit_time_step(0.005, end - time);
+      EXPECT_NEAR(dt, first, 1e-12);
+      time += dt;
+      ++steps;
+    }
+  EXPECT_EQ(steps, 50 * 8);
+  EXPECT_NEAR(fit_time_step(0.005, 0.041), 0.041 / 9, 1e-15);
+  EXPECT_EQ(fit_time_step(0.005, INFINITY), 0.005);
+}
+
 }  // namespace
 }  // namespace kappaflow
