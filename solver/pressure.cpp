@@ -35,6 +35,35 @@ void accelerate_by_pressure(FluidParticles& particles, const NeighbourLists& lis
                [&](std::size_t i) { acceleration[i] = pressure_acceleration(i, particles, lists); });
 }
 
+/// Multiplies the pressure by what minimises the problem along it, where the whole of it does the work that
+/// its particles need: kappa^T source = dt^2 |a|^2. Sweeps reach one neighbour further each and take many to
+/// change the pressure of a whole column; this needs none.
+void fit_scale(FluidParticles& particles, float square_step) {
+  auto& acceleration = accelerations(particles);
+  const auto& source = sources(particles);
+  const std::size_t n = particles.size();
+  const double square = parallel_sum<double>(
+      n, 0, [&](std::size_t i) { return static_cast<double>(acceleration[i].squaredNorm()); });
+  if (!(square > 0)) return;
+  const double needed = parallel_sum<double>(n, 0, [&](std::size_t i) {
+    return static_cast<double>(particles.position[i][3]) * static_cast<double>(source[i]);
+  });
+  const float scale = static_cast<float>(std::max(0.0, needed / (static_cast<double>(square_step) * square)));
+  parallel_for(n, [&](std::size_t i) {
+    particles.position[i][3] *= scale;
+    acceleration[i] *= scale;
+  });
+}
+
+/// Takes over the pressure that a solve has found.
+void accept(FluidParticles& particles, float time_step, std::vector<float>& kappa) {
+  const auto& acceleration = accelerations(particles);
+  parallel_for(particles.size(), [&](std::size_t i) {
+    particles.velocity[i] += time_step * acceleration[i];
+    kappa[i] = particles.position[i][3];
+  });
+}
+
 /// Lets the pair loops see kappa and computes its accelerations.
 void start_from(const std::vector<float>& kappa, FluidParticles& particles, const NeighbourLists& lists) {
   const std::size_t n = particles.size();
@@ -104,7 +133,9 @@ PressureSolve PressureSolver::correct_density(FluidParticles& particles, const N
     const float rate = density_rate(i, particles, lists, particles.velocity) + walls.density_rate(i);
     source[i] = particles.density[i] - 1 + time_step * rate;
   });
-  return solve(particles, lists, time_step, density_tolerance_, particles.density_pressure);
+  const PressureSolve done = solve(particles, lists, time_step, density_tolerance_);
+  accept(particles, time_step, particles.density_pressure);
+  return done;
 }
 
 PressureSolve PressureSolver::correct_divergence(FluidParticles& particles, const NeighbourLists& lists,
@@ -116,7 +147,25 @@ PressureSolve PressureSolver::correct_divergence(FluidParticles& particles, cons
     const float rate = density_rate(i, particles, lists, particles.velocity) + walls.density_rate(i);
     source[i] = std::min(particles.density[i] - 1, 0.0f) + time_step * rate;
   });
-  return solve(particles, lists, time_step, divergence_tolerance_, particles.divergence_pressure);
+  const PressureSolve done = solve(particles, lists, time_step, divergence_tolerance_);
+  accept(particles, time_step, particles.divergence_pressure);
+  return done;
+}
+
+PressureSolve PressureSolver::move_apart(FluidParticles& particles, const NeighbourLists& lists,
+                                         double tolerance) {
+  const std::size_t n = particles.size();
+  auto& acceleration = accelerations(particles);
+  auto& source = sources(particles);
+  acceleration.assign(n, Vec4f::Zero());
+  source.resize(n);
+  parallel_for(n, [&](std::size_t i) {
+    particles.position[i][3] = 0;
+    source[i] = particles.density[i] - 1;
+  });
+  const PressureSolve done = solve(particles, lists, 1, tolerance);
+  parallel_for(n, [&](std::size_t i) { particles.position[i] += acceleration[i]; });
+  return done;
 }
 
 PressureSolver::Progress PressureSolver::iterate(FluidParticles& particles, const NeighbourLists& lists,
@@ -142,22 +191,23 @@ PressureSolver::Progress PressureSolver::iterate(FluidParticles& particles, cons
 }
 
 PressureSolve PressureSolver::solve(FluidParticles& particles, const NeighbourLists& lists, float time_step,
-                                    double tolerance, std::vector<float>& kappa) {
+                                    double tolerance) {
   const std::size_t n = particles.size();
-  const auto& acceleration = accelerations(particles);
+  const float square_step = time_step * time_step;
   auto& iterate_of = iterates(particles);
   iterate_of.resize(n);
-  parallel_for(n, [&](std::size_t i) { iterate_of[i] = {0, kappa[i], kappa[i], 0}; });
+  fit_scale(particles, square_step);
+  parallel_for(n, [&](std::size_t i) {
+    const float kappa = particles.position[i][3];
+    iterate_of[i] = {0, kappa, kappa, 0};
+  });
   float momentum = 1, curvature = kFirstCurvature;
   for (int iterations = 0;; ++iterations) {
-    const Progress progress = iterate(particles, lists, time_step * time_step, 1 / curvature);
+    const Progress progress = iterate(particles, lists, square_step, 1 / curvature);
     const double mean_error = progress.error / static_cast<double>(n);
     const bool converged = mean_error <= tolerance && progress.max_error <= kMaxCompression;
     if ((converged && iterations >= kMinIterations) || iterations == max_iterations_) {
-      parallel_for(n, [&](std::size_t i) {
-        particles.velocity[i] += time_step * acceleration[i];
-        kappa[i] = particles.position[i][3];
-      });
+      fit_scale(particles, square_step);
       return {iterations, mean_error, progress.max_error};
     }
     const bool too_long = progress.curved > curvature * progress.moved;

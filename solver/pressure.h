@@ -31,9 +31,11 @@ struct PressureSolve {
 /// linear complementarity problem of dt^2 D D^T, symmetric and positive semidefinite: kappa >= 0, no particle
 /// compressed, and none held below rest density by a pressure. Solved by projected Jacobi steps with
 /// Nesterov's acceleration, restarted when they overshoot (O'Donoghue & Candes, "Adaptive restart for
-/// accelerated gradient schemes", 2015); their length follows from the curvature met on the way. The stopping
-/// error counts pressures that are too high as well as too low: the former, left over from the step before,
-/// would lift the liquid. Pair forces are antisymmetric: momentum is conserved to rounding.
+/// accelerated gradient schemes", 2015); their length follows from the curvature met on the way. Before the
+/// first and after the last the pressure as a whole is multiplied by what fits it best: the slowest error,
+/// too much or too little everywhere, is gone at once. The stopping error counts pressures that are too high
+/// as well as too low: the former, left over from the step before, would lift the liquid. Pair forces are
+/// antisymmetric: momentum is conserved to rounding.
 class PressureSolver {
  public:
   explicit PressureSolver(const FluidOptions& options)
@@ -58,11 +60,16 @@ class PressureSolver {
   PressureSolve correct_divergence(FluidParticles& particles, const NeighbourLists& lists,
                                    const WallSums& walls, float time_step);
 
+  /// Moves particles by the least that leaves none compressed, to first order: by a with dt = 1, for
+  /// rho/rho0 - 1 + D a <= 0. Velocities and pressures stay. Ends when at most `tolerance` of compression is
+  /// left in the mean and 1 percent at any particle.
+  PressureSolve move_apart(FluidParticles& particles, const NeighbourLists& lists, double tolerance);
+
  private:
   struct Progress;
 
   PressureSolve solve(FluidParticles& particles, const NeighbourLists& lists, float time_step,
-                      double tolerance, std::vector<float>& kappa);
+                      double tolerance);
   Progress iterate(FluidParticles& particles, const NeighbourLists& lists, float square_step,
                    float relaxation);
 

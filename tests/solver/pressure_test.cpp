@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "tests/dense.h"
@@ -130,6 +131,41 @@ TEST(Pressure, ConvergedStartNeedsNoFurtherIterations) {
   liquid.particles.velocity = velocity;
   EXPECT_GT(first, 5);
   EXPECT_LE(correct_density(liquid, solver).iterations, 1);
+}
+
+// Half the pressure everywhere is the error that sweeps are slowest at; as a whole it is seen at once.
+TEST(Pressure, HalfThePressureStartsAsWellAsAllOfIt) {
+  Liquid liquid = collapsing();
+  PressureSolver solver(options(1e-5));
+  const std::vector<Vec4f> velocity = liquid.particles.velocity;
+  EXPECT_GT(correct_density(liquid, solver).iterations, 20);
+  const std::vector<float> pressure = liquid.particles.density_pressure;
+  liquid.particles.velocity = velocity;
+  for (float& kappa : liquid.particles.density_pressure) kappa *= 0.5f;
+  EXPECT_LE(correct_density(liquid, solver).iterations, 1);
+  const float largest = *std::ranges::max_element(pressure);
+  for (std::size_t i = 0; i < pressure.size(); ++i)
+    EXPECT_NEAR(liquid.particles.density_pressure[i], pressure[i], 0.01f * largest);
+}
+
+TEST(Pressure, MoveApartTakesPlacesNotVelocities) {
+  const auto points = test::blob(0.35, 0.9 * static_cast<double>(kSpacing));
+  Liquid liquid(points, std::vector<Vec3>(points.size(), Vec3(1, 2, 3)), kSpacing);
+  EXPECT_GT(*std::ranges::max_element(liquid.particles.density), 1.3f);
+  PressureSolver solver(options(1e-4));
+  for (int round = 0; round < 3; ++round) {
+    solver.move_apart(liquid.particles, liquid.lists, 1e-4);
+    liquid.update();
+  }
+  EXPECT_LT(*std::ranges::max_element(liquid.particles.density), 1.02f);
+  Vec3 before = Vec3::Zero(), after = Vec3::Zero();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    before += points[i] / static_cast<double>(points.size());
+    after += liquid.particles.position[i].head<3>().cast<double>() / static_cast<double>(points.size());
+    EXPECT_EQ(liquid.particles.velocity[i], Vec4f(1, 2, 3, 0));
+    EXPECT_EQ(liquid.particles.density_pressure[i], 0);
+  }
+  EXPECT_LT((after - before).norm(), 1e-5 * static_cast<double>(kSpacing));
 }
 
 TEST(Pressure, ConservesLinearAndAngularMomentum) {
