@@ -14,8 +14,8 @@ namespace {
 
 // Limits. Sums over some thirty neighbours in disorder are good to a few percent, and so is the pressure that
 // carries the weight above, of which the lowest layers know all. The density solve stops at a mean
-// compression of its tolerance, 1e-5 in the scene: over the depth H and a step dt that is an acceleration of
-// up to 1e-5 H / dt^2, 0.04 g here.
+// compression of its tolerance, 1e-4. Of one sign all over the depth H that would be an acceleration of
+// 1e-4 H / dt^2, 0.4 g here; as the pressure is fitted as a whole, what is left changes its sign on the way.
 constexpr double kPressureLimit = 0.05;  // RMS over the layers of the mean over time, relative to rho g depth
 constexpr double kSlopeLimit = 0.05;     // of its gradient against rho g
 constexpr double kFluctuationLimit =

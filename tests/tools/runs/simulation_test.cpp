@@ -54,7 +54,7 @@ TEST_F(Simulations, SavedAndReadBackAfterEveryStepAreTheSame) {
   auto saved = std::make_unique<Simulation>(scene);
   int steps = 0;
   std::size_t topology_changes = 0;
-  for (const double time : {0.025, 0.05, 0.075, 0.1, 0.12}) {
+  for (const double time : {0.025, 0.05, 0.075, 0.1, 0.13}) {
     whole.advance(time, [](const FluidStep&) { return true; });
     while (!saved->advance(time, [](const FluidStep&) { return false; })) {
       std::stringstream state;
@@ -94,7 +94,7 @@ TEST_F(Simulations, VerticesHaveTheSourceOfTheNearestParticle) {
   EXPECT_EQ(of_nearest_particle(simulation, mesh), mesh.vertex_count());
   EXPECT_EQ(std::set<int>(mesh.source.begin(), mesh.source.end()), (std::set{0, 1}));
   // The second emitter, number 2, starts at 0.02 s, and its stream is born without parents.
-  for (const double time : {0.025, 0.05, 0.075, 0.1, 0.12}) {
+  for (const double time : {0.025, 0.05, 0.075, 0.1, 0.13}) {
     simulation.advance(time, [](const FluidStep&) { return true; });
     EXPECT_GE(static_cast<double>(of_nearest_particle(simulation, mesh)),
               0.9 * static_cast<double>(mesh.vertex_count()))
