@@ -173,6 +173,17 @@ void add_render(CLI::App& app, CommandLine& line) {
              "  kappaflow render out/staircase --methods total,regional --colour mean_curvature"));
 }
 
+void add_page(CLI::App& app, CommandLine& line) {
+  CLI::App* page =
+      app.add_subcommand("page", "Write a run as one HTML file to play and compare in a browser");
+  page->add_option("DIR", line.page.folder, "Run folder")->required();
+  page->add_option("--out", line.page.out, "Page (.html) (default: page.html in the run folder)");
+  add_methods(*page, "--methods", line.page.methods, "Methods to show (default: those of the run)");
+  page->footer(
+      footer("kappaflow page out/staircase\n"
+             "  kappaflow page out/staircase --methods total,regional --out two.html"));
+}
+
 void add_compare(CLI::App& app, CommandLine& line) {
   CLI::App* compare = app.add_subcommand("compare", "Set the metrics of runs and methods side by side");
   compare->add_option("DIR", line.compare.runs, "Run folders")->required();

@@ -8,6 +8,7 @@
 #include "tools/commands/compare.h"
 #include "tools/commands/probe.h"
 #include "tools/experiments/experiment.h"
+#include "tools/pictures/page.h"
 #include "tools/pictures/render.h"
 #include "tools/runs/run.h"
 #include "tools/runs/track.h"
@@ -23,6 +24,7 @@ struct CommandLine {
   BenchmarkOptions benchmark;
   ProbeOptions probe;
   RenderOptions render;
+  PageOptions page;
   CompareOptions compare;
   ExperimentOptions experiment;
   int threads = 0;  // 0: all cores
@@ -34,6 +36,7 @@ void add_check(CLI::App& app, CommandLine& line);
 void add_benchmark(CLI::App& app, CommandLine& line);
 void add_probe(CLI::App& app, CommandLine& line);
 void add_render(CLI::App& app, CommandLine& line);
+void add_page(CLI::App& app, CommandLine& line);
 void add_compare(CLI::App& app, CommandLine& line);
 void add_experiment(CLI::App& app, CommandLine& line);
 

@@ -84,6 +84,10 @@ int execute(const CLI::App& app, CommandLine& line) {
   }
   if (app.got_subcommand("probe")) fmt::print("{}", probe(line.probe));
   if (app.got_subcommand("compare")) fmt::print("{}", compare(line.compare));
+  if (app.got_subcommand("page")) {
+    reject_repeated("--methods", line.page.methods);
+    fmt::print("{}", write_page(line.page));
+  }
   if (app.got_subcommand("render")) {
     const VirtualDisplay display;
     return render(line.render);
@@ -126,6 +130,7 @@ int parse_and_execute(int argc, char** argv) {
   add_benchmark(app, line);
   add_probe(app, line);
   add_render(app, line);
+  add_page(app, line);
   add_experiment(app, line);
   add_compare(app, line);
   std::vector<std::string> words = understood_words(app, {argv + 1, argv + argc});

@@ -1,9 +1,6 @@
 #include "tools/pictures/checker_actor.h"
 
-#include <fmt/format.h>
-#include <vtkDataArray.h>
 #include <vtkDataObject.h>
-#include <vtkFieldData.h>
 #include <vtkFloatArray.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
@@ -13,8 +10,8 @@
 
 #include <string>
 
-#include "core/errors.h"
 #include "core/types.h"
+#include "tools/pictures/surface_arrays.h"
 
 namespace kappaflow {
 namespace {
@@ -40,14 +37,6 @@ vec3 checkerColour() {
   return sum / 16.0;
 }
 )";
-
-/// An array with at least so many values.
-vtkDataArray& array_in(vtkFieldData& arrays, const char* name, int components, vtkIdType tuples) {
-  vtkDataArray* const array = arrays.GetArray(name);
-  if (array == nullptr || array->GetNumberOfComponents() != components || array->GetNumberOfTuples() < tuples)
-    throw InvalidInput(fmt::format("the surface has no array \"{}\", which its checker needs", name));
-  return *array;
-}
 
 /// The surface with rest positions in units of the checker's cubes, from one of their corners.
 vtkSmartPointer<vtkPolyData> with_cubes(vtkPolyData& surface) {

@@ -1,13 +1,10 @@
-#include <vtkImageData.h>
-#include <vtkPNGReader.h>
-#include <vtkSmartPointer.h>
-
 #include <algorithm>
 #include <csignal>
 #include <cstdlib>
 
 #include "core/stopwatch.h"
 #include "tests/tools/everything_scene.h"
+#include "tests/tools/image.h"
 #include "tests/tools/program.h"
 #include "tests/tools/scratch.h"
 
@@ -99,29 +96,6 @@ TEST_F(Render, WrongChoicesAreOneLine) {
   EXPECT_EQ(render({"--fps", "10"}).err, "kappaflow: error: --fps is of films, whose names end in .mp4\n");
   EXPECT_EQ(render({"--frame", "0", "--out", (folder / "a.mp4").string()}).err,
             "kappaflow: error: --frame is of pictures, whose names end in .png\n");
-}
-
-/// An image's bytes, red green blue, line by line from below.
-struct Image {
-  explicit Image(const std::filesystem::path& file) {
-    reader->SetFileName(file.c_str());
-    reader->Update();
-    data = reader->GetOutput();
-  }
-  int at(int x, int y, int channel) const {
-    return static_cast<int>(data->GetScalarComponentAsDouble(x, y, 0, channel));
-  }
-  vtkSmartPointer<vtkPNGReader> reader = vtkSmartPointer<vtkPNGReader>::New();
-  vtkImageData* data;
-};
-
-/// The share of the picture's pixels that are clearly blue, as the checker is and walls are not.
-double blue_share(const Image& image) {
-  const int* dims = image.data->GetDimensions();
-  int blue = 0;
-  for (int y = 0; y < dims[1]; ++y)
-    for (int x = 0; x < dims[0]; ++x) blue += image.at(x, y, 2) > image.at(x, y, 0) + 25;
-  return blue / (1.0 * dims[0] * dims[1]);
 }
 
 /// Where values lie outside of the range, surfaces have the colours of its ends: dark violet and yellow.
