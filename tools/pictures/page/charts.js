@@ -2,7 +2,7 @@
 
 const FIRST_METRICS = ['slip', 'rotation_captured', 'tracer_distance', 'volume_error', 'texture_cracks', 'kept_fraction'];
 const CHARTS = 4;
-const MARGIN = {left: 56, right: 18, top: 8, bottom: 20};
+const MARGIN = {left: 56, right: 26, top: 8, bottom: 20};
 
 const metrics = knownMetrics();
 

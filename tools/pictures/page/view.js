@@ -5,8 +5,12 @@ const gl = canvas.getContext('webgl2', {antialias: !drawsWithoutCard(), alpha: f
 
 /// Whether the processor draws: then several samples a pixel are too many.
 function drawsWithoutCard() {
-  const probe = document.createElement('canvas').getContext('webgl2'), names = probe?.getExtension('WEBGL_debug_renderer_info');
-  const renderer = names ? probe.getParameter(names.UNMASKED_RENDERER_WEBGL) : '';
+  const probe = document.createElement('canvas').getContext('webgl2');
+  let renderer = probe?.getParameter(probe.RENDERER) ?? '';
+  if (renderer === 'WebKit WebGL') {  // what Chromium says instead
+    const names = probe.getExtension('WEBGL_debug_renderer_info');
+    if (names) renderer = probe.getParameter(names.UNMASKED_RENDERER_WEBGL);
+  }
   probe?.getExtension('WEBGL_lose_context')?.loseContext();
   return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(renderer);
 }
@@ -132,7 +136,7 @@ void main() {
   float lit = 0.4 + 0.7 * (0.8 * max(dot(n, key), 0.0) + 0.45 * max(dot(n, side), 0.0));
   float shine = max(dot(n, halfway), 0.0);
   shine *= shine; shine *= shine; shine *= shine; shine *= shine; shine *= shine;
-  result = vec4(base * lit + 0.12 * shine, 1.0);
+  result = vec4(base * lit + (checker ? 0.12 : 0.04) * shine, 1.0);
 }`;
 
 const WALL_VERTEX = `#version 300 es
