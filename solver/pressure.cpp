@@ -8,7 +8,9 @@
 namespace kappaflow {
 namespace {
 
-constexpr int kMinIterations = 1;
+// One more than one in the divergence solve: what it leaves of a deep column's motion, of one sign all over,
+// is what the next density solves see as pressure that comes and goes.
+constexpr int kMinIterations = 1, kMinDivergenceIterations = 2;
 constexpr float kMaxCompression = 0.01f;  // of any particle when the solve stops [1]
 constexpr float kLeastDiagonal = 1e-20f;  // below: no neighbours, no pressure
 constexpr float kFirstCurvature =
@@ -133,7 +135,7 @@ PressureSolve PressureSolver::correct_density(FluidParticles& particles, const N
     const float rate = density_rate(i, particles, lists, particles.velocity) + walls.density_rate(i);
     source[i] = particles.density[i] - 1 + time_step * rate;
   });
-  const PressureSolve done = solve(particles, lists, time_step, density_tolerance_);
+  const PressureSolve done = solve(particles, lists, time_step, density_tolerance_, kMinIterations);
   accept(particles, time_step, particles.density_pressure);
   return done;
 }
@@ -147,7 +149,8 @@ PressureSolve PressureSolver::correct_divergence(FluidParticles& particles, cons
     const float rate = density_rate(i, particles, lists, particles.velocity) + walls.density_rate(i);
     source[i] = std::min(particles.density[i] - 1, 0.0f) + time_step * rate;
   });
-  const PressureSolve done = solve(particles, lists, time_step, divergence_tolerance_);
+  const PressureSolve done =
+      solve(particles, lists, time_step, divergence_tolerance_, kMinDivergenceIterations);
   accept(particles, time_step, particles.divergence_pressure);
   return done;
 }
@@ -163,7 +166,7 @@ PressureSolve PressureSolver::move_apart(FluidParticles& particles, const Neighb
     particles.position[i][3] = 0;
     source[i] = particles.density[i] - 1;
   });
-  const PressureSolve done = solve(particles, lists, 1, tolerance);
+  const PressureSolve done = solve(particles, lists, 1, tolerance, kMinIterations);
   parallel_for(n, [&](std::size_t i) { particles.position[i] += acceleration[i]; });
   return done;
 }
@@ -191,7 +194,7 @@ PressureSolver::Progress PressureSolver::iterate(FluidParticles& particles, cons
 }
 
 PressureSolve PressureSolver::solve(FluidParticles& particles, const NeighbourLists& lists, float time_step,
-                                    double tolerance) {
+                                    double tolerance, int min_iterations) {
   const std::size_t n = particles.size();
   const float square_step = time_step * time_step;
   auto& iterate_of = iterates(particles);
@@ -206,7 +209,7 @@ PressureSolve PressureSolver::solve(FluidParticles& particles, const NeighbourLi
     const Progress progress = iterate(particles, lists, square_step, 1 / curvature);
     const double mean_error = progress.error / static_cast<double>(n);
     const bool converged = mean_error <= tolerance && progress.max_error <= kMaxCompression;
-    if ((converged && iterations >= kMinIterations) || iterations == max_iterations_) {
+    if ((converged && iterations >= min_iterations) || iterations == max_iterations_) {
       fit_scale(particles, square_step);
       return {iterations, mean_error, progress.max_error};
     }

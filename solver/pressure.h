@@ -69,7 +69,7 @@ class PressureSolver {
   struct Progress;
 
   PressureSolve solve(FluidParticles& particles, const NeighbourLists& lists, float time_step,
-                      double tolerance);
+                      double tolerance, int min_iterations);
   Progress iterate(FluidParticles& particles, const NeighbourLists& lists, float square_step,
                    float relaxation);
 

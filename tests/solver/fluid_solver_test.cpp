@@ -229,6 +229,9 @@ TEST(FluidSolver, PressureOfColumnsAtRestIsRightAndSteadyWithDefaultOptions) {
       EXPECT_LT(p.worst, 0.05) << depth << " m deep, " << viscosity << " m2/s";
       EXPECT_LT(p.fluctuation, 0.05) << depth << " m deep, " << viscosity << " m2/s";
     }
+  const PressureAtRest deepest = pressure_at_rest(2, 0.05, 0.1);
+  EXPECT_LT(deepest.worst, 0.05);
+  EXPECT_LT(deepest.fluctuation, 0.05);
 }
 
 // Thin liquid runs into a corner at 3 m/s and falls back, with default options: a step moves particles next
