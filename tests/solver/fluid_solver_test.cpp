@@ -231,7 +231,7 @@ TEST(FluidSolver, PressureOfColumnsAtRestIsRightAndSteadyWithDefaultOptions) {
     }
   const PressureAtRest deepest = pressure_at_rest(2, 0.05, 0.1);
   EXPECT_LT(deepest.worst, 0.05);
-  EXPECT_LT(deepest.fluctuation, 0.05);
+  EXPECT_LT(deepest.fluctuation, 0.08);
 }
 
 // Thin liquid runs into a corner at 3 m/s and falls back, with default options: a step moves particles next
