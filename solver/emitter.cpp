@@ -5,10 +5,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/errors.h"
 #include "core/parallel.h"
 #include "solver/fluid_particles.h"
+#include "solver/viscous_pressure.h"
 
 namespace kappaflow {
 namespace {
@@ -16,6 +18,10 @@ namespace {
 constexpr double kWhole = 1e-6;          // rounding that a number of cells may have and still count as whole
 constexpr double kBirthClearance = 0.6;  // no particle is made nearer than this to another [spacings]
 constexpr double kLeastSine = 1e-3;      // of the angle between a rectangle's `up` and the direction
+
+// Layers stand turned against each other by the golden angle [rad]: on top of each other they would part as
+// planes when the stream is stretched.
+constexpr double kTurn = 2 * std::numbers::pi * (2 - std::numbers::phi);
 
 constexpr double kMostInLayer = 1e6;  // beyond, a layer alone would fill the memory
 
@@ -114,8 +120,12 @@ void check_emitter(const Emitter& emitter, double spacing, std::size_t fluids) {
                               spacing / emitter.speed));
 }
 
-Emitters::Emitters(std::span<const Emitter> emitters, double spacing) : spacing_(spacing) {
-  for (const Emitter& emitter : emitters) nozzles_.push_back({emitter, emitter_layer(emitter, spacing)});
+Emitters::Emitters(const FluidOptions& options) : spacing_(options.spacing) {
+  for (const Emitter& emitter : options.emitters) {
+    nozzles_.push_back({emitter, emitter_layer(emitter, spacing_)});
+    nozzles_.back().turns = std::holds_alternative<DiscMouth>(emitter.mouth) &&
+                            is_thick(viscosity_of(emitter.fluid, options), options);
+  }
 }
 
 double Emitters::fastest() const {
@@ -145,11 +155,14 @@ bool Emitters::emit_layer(FluidParticles& particles, std::size_t index, double d
   for (const Vec4f& x : particles.position)
     if (const Vec3 d = x.head<3>().cast<double>() - center; d.norm() < reach + clearance) near.push_back(d);
 
+  const Mat3 turn = Eigen::AngleAxisd(nozzle.turns ? kTurn * nozzle.made : 0, direction).toRotationMatrix();
   const std::size_t before = particles.size();
-  for (const Vec3& x : nozzle.layer)
+  for (const Vec3& in_layer : nozzle.layer) {
+    const Vec3 x = turn * in_layer;
     if (std::ranges::none_of(near, [&](const Vec3& other) { return (other - x).norm() < clearance; }))
       particles.add(center + x, nozzle.emitter.speed * direction, nozzle.emitter.fluid,
                     static_cast<std::uint8_t>(index + 1), nozzle.emitter.source);
+  }
   return particles.size() > before;
 }
 

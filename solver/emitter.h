@@ -16,7 +16,8 @@ struct FluidParticles;
 inline constexpr double kNozzleLength = 2;
 
 /// The particles of one layer in the plane of the mouth [m]: a square lattice of the spacing, symmetric about
-/// the mouth's centre; in a disc the points no further out than its radius, in a rectangle whole cells.
+/// the mouth's centre; in a disc the points no further out than its radius, in a rectangle whole cells. Each
+/// layer of thick liquid (viscous_pressure.h) in a disc is turned by the golden angle against the one before.
 std::vector<Vec3> emitter_layer(const Emitter& emitter, double spacing);
 
 /// Layers that have been made by `time` [s], those still in the nozzle included. layer_size: particles of a
@@ -30,8 +31,8 @@ void check_emitter(const Emitter& emitter, double spacing, std::size_t fluids);
 /// The emitters of a solver, at most 255.
 class Emitters {
  public:
-  /// Precondition: check_emitter() passes for each.
-  Emitters(std::span<const Emitter> emitters, double spacing);
+  /// Those of the options. Precondition: check_emitter() passes for each.
+  explicit Emitters(const FluidOptions& options);
 
   /// Lets go of the particles that have passed their mouth, and appends those of the layers that are due at
   /// `time` [s], except where liquid has come into the nozzle. Returns whether any was appended; then all
@@ -53,6 +54,7 @@ class Emitters {
     std::vector<Vec3> layer;
     double made = 0;  // layers
     bool done = false;
+    bool turns = false;  // each layer against the one before
   };
 
   void release(FluidParticles& particles) const;

@@ -28,9 +28,10 @@ struct FluidParticles {
   std::vector<Vec4f> viscous_velocity;     ///< after the last step's viscosity [m/s]; starts the next solve
   std::vector<float> density_pressure;     ///< kappa of the constant-density solve [m2/s2], see pressure.h
   std::vector<float> divergence_pressure;  ///< kappa of the divergence-free solve [m2/s2]
-  std::vector<std::uint8_t> fluid;         ///< which of the fluids of FluidOptions it belongs to
-  std::vector<std::uint8_t> led_by;        ///< 0: free; k + 1: keeps the velocity of emitter k
-  std::vector<int> source;                 ///< where it comes from, by the caller's numbers
+  std::vector<float> least_pressure;  ///< least kappa of the former, <= 0, see viscous_pressure.h [m2/s2]
+  std::vector<std::uint8_t> fluid;    ///< which of the fluids of FluidOptions it belongs to
+  std::vector<std::uint8_t> led_by;   ///< 0: free; k + 1: keeps the velocity of emitter k
+  std::vector<int> source;            ///< where it comes from, by the caller's numbers
 
   // What follows from the positions: recomputed after every move.
   std::vector<float> density;              ///< over the rest density [1]
@@ -46,14 +47,14 @@ struct FluidParticles {
   /// See core/saved_state.h.
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(id, position, velocity, viscous_velocity, density_pressure, divergence_pressure, fluid, led_by,
-            source);
+    archive(id, position, velocity, viscous_velocity, density_pressure, divergence_pressure, least_pressure,
+            fluid, led_by, source);
   }
 
   std::size_t bytes() const {
-    return bytes_of(id, position, velocity, viscous_velocity, density_pressure, divergence_pressure, fluid,
-                    led_by, source, density, gradient_sum, gradient_square_sum, scratch[0], scratch[1],
-                    scratch[2], scalar_scratch);
+    return bytes_of(id, position, velocity, viscous_velocity, density_pressure, divergence_pressure,
+                    least_pressure, fluid, led_by, source, density, gradient_sum, gradient_square_sum,
+                    scratch[0], scratch[1], scratch[2], scalar_scratch);
   }
 
   /// Appends a particle without pressure; its id is the number of those before.
@@ -64,6 +65,7 @@ struct FluidParticles {
     viscous_velocity.push_back(padded(v));
     density_pressure.push_back(0);
     divergence_pressure.push_back(0);
+    least_pressure.push_back(0);
     fluid.push_back(of_fluid);
     led_by.push_back(emitter);
     source.push_back(from);

@@ -19,6 +19,7 @@
 #include "solver/surface_tension.h"
 #include "solver/time_step.h"
 #include "solver/viscosity.h"
+#include "solver/viscous_pressure.h"
 
 namespace kappaflow {
 namespace {
@@ -114,8 +115,9 @@ struct FluidSolver::State {
         walls(std::move(w)),
         viscosity(o),
         pressure(o),
+        viscous_pressure(o),
         tension(o),
-        emitters(o.emitters, o.spacing) {}
+        emitters(o) {}
 
   void find_neighbours();
   void sum_walls();
@@ -136,6 +138,7 @@ struct FluidSolver::State {
   Walls walls;
   ViscositySolver viscosity;
   PressureSolver pressure;
+  ViscousPressure viscous_pressure;
   SurfaceTension tension;
   Emitters emitters;
 
@@ -177,12 +180,18 @@ FluidStep FluidSolver::step(double time_left) {
   accelerate(s.particles, padded(s.options.gravity), dt);
   s.tension.apply(s.particles, s.neighbours, dt);
   s.pressure.apply_last(s.particles, s.neighbours, dt);
+  const bool thick = s.viscous_pressure.needed();
+  if (thick) s.viscous_pressure.spread(s.particles, s.neighbours, dt);
   done.seconds.forces = watch.lap();
   const ViscositySolve viscosity = s.viscosity.solve(s.particles, s.neighbours, s.wall_sums, dt);
   done.viscosity_iterations = viscosity.iterations;
   done.viscosity_error = viscosity.error;
+  if (thick) s.viscous_pressure.measure(s.particles, s.neighbours, s.wall_sums);
   done.seconds.viscosity = watch.lap();
-  const PressureSolve density = s.pressure.correct_density(s.particles, s.neighbours, s.wall_sums, dt);
+  const PressureSolve density =
+      s.pressure.correct_density(s.particles, s.neighbours, s.wall_sums, dt,
+                                 thick ? s.particles.least_pressure : std::span<const float>());
+  if (thick) s.viscous_pressure.correct(s.particles, s.wall_sums);
   done.density_iterations = density.iterations;
   done.seconds.density = watch.lap();
   s.check_finite();
@@ -330,7 +339,7 @@ template void FluidSolver::serialize(StateReader&);
 SolverMemory FluidSolver::memory() const {
   const State& s = *state_;
   return {s.particles.bytes() + s.search.bytes() + s.neighbours.bytes() + s.wall_sums.bytes() +
-              s.viscosity.bytes(),
+              s.viscosity.bytes() + s.viscous_pressure.bytes(),
           s.walls.bytes(), s.walls.size()};
 }
 

@@ -96,7 +96,7 @@ void NeighbourSearch::sort(FluidParticles& particles) {
   permute(particles.id, id_buffer_);
   for (auto* array : {&particles.position, &particles.velocity, &particles.viscous_velocity})
     permute(*array, particles.scratch[0]);
-  for (auto* array : {&particles.density_pressure, &particles.divergence_pressure})
+  for (auto* array : {&particles.density_pressure, &particles.divergence_pressure, &particles.least_pressure})
     permute(*array, particles.scalar_scratch);
   for (auto* array : {&particles.fluid, &particles.led_by}) permute(*array, byte_buffer_);
   permute(particles.source, source_buffer_);

@@ -74,6 +74,11 @@ void start_from(const std::vector<float>& kappa, FluidParticles& particles, cons
   accelerate_by_pressure(particles, lists);
 }
 
+/// The least kappa of a particle.
+float bound_of(std::span<const float> least, std::size_t i) {
+  return least.empty() ? 0.0f : least[i];
+}
+
 }  // namespace
 
 /// What one iteration learns over all particles.
@@ -124,7 +129,8 @@ void PressureSolver::apply_last(FluidParticles& particles, const NeighbourLists&
 }
 
 PressureSolve PressureSolver::correct_density(FluidParticles& particles, const NeighbourLists& lists,
-                                              const WallSums& walls, float time_step) {
+                                              const WallSums& walls, float time_step,
+                                              std::span<const float> least) {
   const std::size_t n = particles.size();
   start_from(particles.density_pressure, particles, lists);
   const auto& acceleration = accelerations(particles);
@@ -135,7 +141,7 @@ PressureSolve PressureSolver::correct_density(FluidParticles& particles, const N
     const float rate = density_rate(i, particles, lists, particles.velocity) + walls.density_rate(i);
     source[i] = particles.density[i] - 1 + time_step * rate;
   });
-  const PressureSolve done = solve(particles, lists, time_step, density_tolerance_, kMinIterations);
+  const PressureSolve done = solve(particles, lists, time_step, density_tolerance_, kMinIterations, least);
   accept(particles, time_step, particles.density_pressure);
   return done;
 }
@@ -172,45 +178,46 @@ PressureSolve PressureSolver::move_apart(FluidParticles& particles, const Neighb
 }
 
 PressureSolver::Progress PressureSolver::iterate(FluidParticles& particles, const NeighbourLists& lists,
-                                                 float square_step, float relaxation) {
+                                                 float square_step, float relaxation,
+                                                 std::span<const float> least) {
   const auto& acceleration = accelerations(particles);
   const auto& source = sources(particles);
   auto& iterate = iterates(particles);
   return parallel_sum(particles.size(), Progress(), [&](std::size_t i) {
     const float diagonal =
         square_step * (particles.gradient_sum[i].squaredNorm() + particles.gradient_square_sum[i]);
-    const float kappa = particles.position[i][3];
+    const float kappa = particles.position[i][3], bound = bound_of(least, i);
     const float violation = source[i] + square_step * density_rate(i, particles, lists, acceleration);
     const float jacobi = violation / std::max(diagonal, square_step * kLeastDiagonal);
     const float proposed =
-        diagonal > square_step * kLeastDiagonal ? std::max(0.0f, kappa + relaxation * jacobi) : 0.0f;
+        diagonal > square_step * kLeastDiagonal ? std::max(bound, kappa + relaxation * jacobi) : bound;
     const Vec4f last = iterate[i];
     const float move = kappa - last[kSeenKappa];
     iterate[i] = {proposed, last[kAccepted], kappa, violation};
-    return Progress{std::abs(std::max(-kappa * diagonal, violation)),
+    return Progress{std::abs(std::max((bound - kappa) * diagonal, violation)),
                     (kappa - proposed) * diagonal * (proposed - last[kAccepted]), move * diagonal * move,
                     move * (last[kSeenViolation] - violation), violation};
   });
 }
 
 PressureSolve PressureSolver::solve(FluidParticles& particles, const NeighbourLists& lists, float time_step,
-                                    double tolerance, int min_iterations) {
+                                    double tolerance, int min_iterations, std::span<const float> least) {
   const std::size_t n = particles.size();
   const float square_step = time_step * time_step;
   auto& iterate_of = iterates(particles);
   iterate_of.resize(n);
-  fit_scale(particles, square_step);
+  if (least.empty()) fit_scale(particles, square_step);
   parallel_for(n, [&](std::size_t i) {
     const float kappa = particles.position[i][3];
     iterate_of[i] = {0, kappa, kappa, 0};
   });
   float momentum = 1, curvature = kFirstCurvature;
   for (int iterations = 0;; ++iterations) {
-    const Progress progress = iterate(particles, lists, square_step, 1 / curvature);
+    const Progress progress = iterate(particles, lists, square_step, 1 / curvature, least);
     const double mean_error = progress.error / static_cast<double>(n);
     const bool converged = mean_error <= tolerance && progress.max_error <= kMaxCompression;
     if ((converged && iterations >= min_iterations) || iterations == max_iterations_) {
-      fit_scale(particles, square_step);
+      if (least.empty()) fit_scale(particles, square_step);
       return {iterations, mean_error, progress.max_error};
     }
     const bool too_long = progress.curved > curvature * progress.moved;
@@ -222,7 +229,7 @@ PressureSolve PressureSolver::solve(FluidParticles& particles, const NeighbourLi
     parallel_for(n, [&](std::size_t i) {
       Vec4f& it = iterate_of[i];
       particles.position[i][3] =
-          std::max(0.0f, it[kProposed] + extrapolation * (it[kProposed] - it[kAccepted]));
+          std::max(bound_of(least, i), it[kProposed] + extrapolation * (it[kProposed] - it[kAccepted]));
       it[kAccepted] = it[kProposed];
     });
     accelerate_by_pressure(particles, lists);

@@ -2,6 +2,7 @@
 // its solves as one bound-constrained problem.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "solver/boundary.h"
@@ -33,7 +34,8 @@ struct PressureSolve {
 /// Nesterov's acceleration, restarted when they overshoot (O'Donoghue & Candes, "Adaptive restart for
 /// accelerated gradient schemes", 2015); their length follows from the curvature met on the way. Before the
 /// first and after the last the pressure as a whole is multiplied by what fits it best: the slowest error,
-/// too much or too little everywhere, is gone at once. The stopping error counts pressures that are too high
+/// too much or too little everywhere, is gone at once (not where tension is allowed, which has a bound of its
+/// own). The stopping error counts pressures that are too high
 /// as well as too low: the former, left over from the step before, would lift the liquid. Pair forces are
 /// antisymmetric: momentum is conserved to rounding.
 class PressureSolver {
@@ -51,9 +53,10 @@ class PressureSolver {
 
   /// Constant-density solve: rho/rho0 - 1 + dt D(v + dt a) <= 0, where v are the velocities without the
   /// pressure that apply_last() added. Replaces particles.velocity and density_pressure, which starts the
-  /// iteration. time_step [s].
+  /// iteration. time_step [s]. least: FluidParticles::least_pressure, which takes the place of the 0 that
+  /// bounds kappa, or empty.
   PressureSolve correct_density(FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,
-                                float time_step);
+                                float time_step, std::span<const float> least = {});
 
   /// Divergence-free solve: dt D(v + dt a) <= max(0, 1 - rho/rho0), so loose particles at a surface may come
   /// together until they are liquid. Likewise with divergence_pressure.
@@ -69,9 +72,9 @@ class PressureSolver {
   struct Progress;
 
   PressureSolve solve(FluidParticles& particles, const NeighbourLists& lists, float time_step,
-                      double tolerance, int min_iterations);
+                      double tolerance, int min_iterations, std::span<const float> least = {});
   Progress iterate(FluidParticles& particles, const NeighbourLists& lists, float square_step,
-                   float relaxation);
+                   float relaxation, std::span<const float> least);
 
   double density_tolerance_, divergence_tolerance_;
   int max_iterations_;

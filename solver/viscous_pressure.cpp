@@ -1,0 +1,88 @@
+#include "solver/viscous_pressure.h"
+
+#include <algorithm>
+
+#include "core/parallel.h"
+#include "solver/pressure.h"
+
+namespace kappaflow {
+namespace {
+
+// Of a liquid whose two coefficients of viscosity are equal: 5/3, the second and two thirds of the first.
+constexpr double kBulk = 5.0 / 3;
+// From here on liquid is thick: viscosity * longest step / spacing^2.
+constexpr double kThick = 36;
+// A row of single particles, which has less than this of the rest density, carries no tension.
+constexpr float kLeastDensity = 0.5f;
+// Smallest share with which a thread of four particles across can be drawn out to a quarter of its section.
+constexpr float kSpread = 0.01f;
+
+/// (W / W(spacing))^4, the kernel's support being two spacings. q: distance in spacings.
+Wide crowding(const Wide& q) {
+  const Wide outer = (2 - q).max(0.0f), inner = (1 - q).max(0.0f);
+  return (outer.cube() - 4 * inner.cube()).square().square();
+}
+
+}  // namespace
+
+double viscosity_of(std::size_t fluid, const FluidOptions& options) {
+  return fluid == 0 ? options.kinematic_viscosity : options.more_viscosities[fluid - 1];
+}
+
+bool is_thick(double viscosity, const FluidOptions& options) {
+  return viscosity * options.max_time_step >= kThick * options.spacing * options.spacing;
+}
+
+ViscousPressure::ViscousPressure(const FluidOptions& options)
+    : spacing_(static_cast<float>(options.spacing)) {
+  for (std::size_t fluid = 0; fluid <= options.more_viscosities.size(); ++fluid) {
+    const double viscosity = viscosity_of(fluid, options);
+    const bool thick = is_thick(viscosity, options);
+    needed_ = needed_ || thick;
+    resistance_.push_back(thick ? static_cast<float>(kBulk * viscosity) : 0);
+  }
+}
+
+void ViscousPressure::spread(FluidParticles& particles, const NeighbourLists& lists, float time_step) const {
+  parallel_for(particles.size(),
+               [&](std::size_t i) { particles.position[i][3] = -particles.least_pressure[i]; });
+  parallel_for(particles.size(), [&](std::size_t i) {
+    if (particles.led_by[i] != 0) return;
+    const Vec4f xi = particles.position[i];
+    Wide sum_x = Wide::Zero(), sum_y = Wide::Zero(), sum_z = Wide::Zero();
+    for (const PairBlock& block : lists.of(i)) {
+      const WideVec xj = gather(particles.position, block);
+      const Wide x = xi[0] - xj.x, y = xi[1] - xj.y, z = xi[2] - xj.z;
+      const Wide q = (x * x + y * y + z * z).sqrt() * (1 / spacing_);
+      const Wide scale = lists.factor(block) * (xi[3] + xj.w) * crowding(q);
+      sum_x += scale * x;
+      sum_y += scale * y;
+      sum_z += scale * z;
+    }
+    particles.velocity[i] -= time_step * kSpread * Vec4f(sum_x.sum(), sum_y.sum(), sum_z.sum(), 0);
+  });
+}
+
+void ViscousPressure::measure(const FluidParticles& particles, const NeighbourLists& lists,
+                              const WallSums& walls) {
+  correction_.resize(particles.size());
+  parallel_for(particles.size(), [&](std::size_t i) {
+    const float resistance = resistance_[particles.fluid[i]];
+    const bool free = resistance > 0 && particles.led_by[i] == 0 && !walls.touches(i);
+    correction_[i] = free ? resistance * density_rate(i, particles, lists, particles.velocity) : 0;
+  });
+}
+
+void ViscousPressure::correct(FluidParticles& particles, const WallSums& walls) const {
+  parallel_for(particles.size(), [&](std::size_t i) {
+    float &kappa = particles.density_pressure[i], &least = particles.least_pressure[i];
+    const bool presses = kappa > least;
+    const bool pulls = particles.led_by[i] == 0 && !walls.touches(i) && particles.density[i] >= kLeastDensity;
+    least = pulls ? std::min(0.0f, least + correction_[i]) : 0;
+    // A particle that does not press keeps its tension: the next density solve lowers it as far as it takes
+    // to bring the liquid back to rest density, which closes the gaps between particles.
+    kappa = std::max(least, presses ? kappa + correction_[i] : std::min(kappa, 0.0f));
+  });
+}
+
+}  // namespace kappaflow
