@@ -309,7 +309,7 @@ void FluidSolver::State::check_motion(double time_step) const {
   throw SolverFailure(
       time, steps + 1, fastest_particle(particles),
       fmt::format("the flow explodes: it would move by {:.3g} spacings in one step; lower max_time_step (now "
-                  "{} s) or cfl (now {}), or a viscosity too large for such steps",
+                  "{} s) or cfl (now {})",
                   spacings, options.max_time_step, options.cfl));
 }
 

@@ -10,8 +10,7 @@
 namespace kappaflow {
 namespace {
 
-constexpr std::size_t kCellGrain = 16;  // cells that a task works on
-constexpr int kColours = 8;             // a cell's is the parity of its place: the last bits of its key
+constexpr std::size_t kCellGrain = 16, kParentGrain = 2;  // cells that a task works on
 constexpr std::int64_t kLastPlace = (std::int64_t{1} << RigidLevel::kBitsOfPlace) - 1;
 
 // Sums in single precision are uncertain by about this share; blocks are made so much stiffer, lest one that
@@ -46,6 +45,9 @@ std::array<std::int64_t, 3> neighbour_after(const std::array<std::int64_t, 3>& p
   const int code = 14 + k;
   return {place[0] + code % 3 - 1, place[1] + code / 3 % 3 - 1, place[2] + code / 9 - 1};
 }
+
+/// Every neighbour.
+constexpr auto kAll = [](std::uint32_t) { return true; };
 
 /// Turns counts, with one entry more than there are, into where each begins.
 void counts_to_begins(std::vector<std::uint32_t>& counts) {
@@ -203,10 +205,13 @@ void RigidLevel::invert(float inertia) {
       kCellGrain);
 }
 
-RigidVector RigidLevel::residual(std::size_t cell) const {
+// Differences of motions come first: the common motion of stiff liquid must not leave rounding.
+template <class Select>
+RigidVector RigidLevel::residual(std::size_t cell, const Select& counts) const {
   RigidVector result = load[cell] - rigid::product(anchor[cell], motion[cell]);
   for (std::uint32_t k = first_in_row_[cell]; k < first_in_row_[cell + 1]; ++k) {
     const auto [from, to] = links[row_[k]];
+    if (!counts(from == cell ? to : from)) continue;
     const Vec4f arm = centre[from] - centre[to];
     const RigidVector pull =
         rigid::product(coupling[row_[k]], motion[from] - rigid::motion_about(motion[to], arm));
@@ -218,32 +223,38 @@ RigidVector RigidLevel::residual(std::size_t cell) const {
   return result;
 }
 
-void RigidLevel::relax(bool forward) {
-  for (int k = 0; k < kColours; ++k) {
-    const std::size_t colour = static_cast<std::size_t>(forward ? k : kColours - 1 - k);
-    const std::uint32_t begin = first_of_colour_[colour];
-    parallel_for(
-        first_of_colour_[colour + 1] - begin,
-        [&](std::size_t c) {
-          const std::uint32_t cell = coloured_[begin + c];
-          motion[cell] += rigid::product(inverse_[cell], residual(cell));
-        },
-        kCellGrain);
-  }
+template <class Work>
+void RigidLevel::for_cells_of(std::uint64_t colour, const Work& work) const {
+  const std::uint32_t begin = first_of_colour_[colour];
+  parallel_for(
+      first_of_colour_[colour + 1] - begin, [&](std::size_t c) { work(coloured_[begin + c]); }, kCellGrain);
+}
+
+void RigidLevel::relax_from_zero() {
+  for (std::uint64_t k = 0; k < kColours; ++k)
+    for_cells_of(k, [&](std::uint32_t cell) {
+      motion[cell].setZero();
+      const RigidVector left = residual(cell, [&](std::uint32_t other) { return colour(other) < k; });
+      motion[cell] = rigid::product(inverse_[cell], left);
+    });
 }
 
 void RigidLevel::restrict_to(RigidLevel& coarser) const {
   parallel_for(
       coarser.cells(),
-      [&](std::size_t cell) {
+      [&](std::size_t above) {
         RigidVector sum = RigidVector::Zero();
-        for (std::uint32_t child = coarser.first_child_[cell]; child < coarser.first_child_[cell + 1];
-             ++child)
-          sum += rigid::load_from(residual(child), centre[child] - coarser.centre[cell]);
-        coarser.load[cell] = sum;
-        coarser.motion[cell].setZero();
+        for (std::uint32_t cell = coarser.first_child_[above]; cell < coarser.first_child_[above + 1]; ++cell)
+          sum += rigid::load_from(residual(cell, kAll), centre[cell] - coarser.centre[above]);
+        coarser.load[above] = sum;
       },
-      kCellGrain / 8);
+      kParentGrain);
+}
+
+void RigidLevel::relax() {
+  for (std::uint64_t k = kColours; k-- > 0;)
+    for_cells_of(
+        k, [&](std::uint32_t cell) { motion[cell] += rigid::product(inverse_[cell], residual(cell, kAll)); });
 }
 
 void RigidLevel::add_from(const RigidLevel& coarser) {

@@ -19,7 +19,8 @@ namespace kappaflow {
 class RigidLevel {
  public:
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
-  static constexpr int kBitsOfPlace = 21;  // a key has three of them
+  static constexpr int kBitsOfPlace = 21;       // a key has three of them
+  static constexpr std::uint64_t kColours = 8;  // a cell's is the parity of its place: its key's last bits
 
   struct Link {
     std::uint32_t from, to;  // cells; `to` is one of the thirteen neighbours that come after `from`
@@ -40,12 +41,13 @@ class RigidLevel {
     return {links.data() + first_link[cell], first_link[cell + 1] - first_link[cell]};
   }
 
-  /// One round of block Gauss-Seidel on A motion = load, by colours, which do not touch each other.
-  void relax(bool forward);
-  /// load - A motion at one cell.
-  RigidVector residual(std::size_t cell) const;
-  /// The coarser level's load is this one's residual, and its motion 0.
+  /// The motions that half a round of block Gauss-Seidel finds for A motion = load from 0, by colours, which
+  /// do not touch each other.
+  void relax_from_zero();
+  /// The coarser level's load is what relax_from_zero() has left of this one's.
   void restrict_to(RigidLevel& coarser) const;
+  /// The other half, backwards, from any motions.
+  void relax();
   /// Adds the coarser level's motion.
   void add_from(const RigidLevel& coarser);
 
@@ -68,6 +70,12 @@ class RigidLevel {
   void find_colours();
   void gather_from(const RigidLevel& finer, std::size_t cell);
   RigidMatrix diagonal(std::size_t cell) const;
+  /// load - A motion at one cell, of the neighbours that count.
+  template <class Select>
+  RigidVector residual(std::size_t cell, const Select& counts) const;
+  std::uint64_t colour(std::size_t cell) const { return key[cell] % kColours; }
+  template <class Work>
+  void for_cells_of(std::uint64_t colour, const Work& work) const;
 
   std::vector<std::uint32_t> parent_;
   std::vector<std::uint32_t> first_child_;         // in the finer level

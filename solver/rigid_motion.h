@@ -56,12 +56,6 @@ inline RigidVector product(const RigidMatrix& matrix, const RigidVector& motion)
   return sum;
 }
 
-/// matrix += factor line line^T.
-inline void add_square(RigidMatrix& matrix, const RigidVector& line, float factor) {
-  const RigidVector scaled = factor * line;
-  for (int c = 0; c < 6; ++c) matrix.col(c) += line * scaled[row_of(c)];
-}
-
 /// A matrix about the point that is `arm` away, about this one.
 inline RigidMatrix matrix_from(const RigidMatrix& matrix, const Vec4f& arm) {
   RigidMatrix result;

@@ -15,6 +15,8 @@ constexpr float kLastCell = (1 << RigidLevel::kBitsOfPlace) - 1;
 // Particles are points: a cell with one of them, or with a line of them, could turn at no cost, and has no
 // inverse. In `inverse` each has this moment of inertia [spacing^2].
 constexpr double kPointInertia = 0.01;
+// Of nu dt / spacing^2: below it D^-1 alone takes no more iterations.
+constexpr double kWeak = 0.2;
 // Of the 3x3 blocks, see kUncertainty of rigid_level.cpp.
 constexpr double kBlockUncertainty = 1e-6;
 
@@ -26,6 +28,9 @@ Wide cell_along(const Wide& x, float lower, float width) {
   return ((x - lower) * (1 / width)).floor().min(kLastCell);
 }
 
+// Codes of a pair in CellSums: in no sum, and in the cell's own.
+constexpr float kNoSum = -1, kAnchorSum = 0;
+
 }  // namespace
 
 RigidMultigrid::RigidMultigrid(double spacing) : spacing_(spacing), levels_(1) {}
@@ -35,6 +40,43 @@ std::size_t RigidMultigrid::bytes() const {
   for (const RigidLevel& level : levels_) sum += level.bytes();
   return sum;
 }
+
+/// The sum of w l l^T over pairs, l = (x, arm x x) the load of a unit force along the pair: its lower
+/// triangle.
+class RigidMultigrid::WideSquares {
+ public:
+  void add(const WideVec& x, const Wide& weight, const Vec4f& arm) {
+    const std::array<Wide, 6> line{
+        x.x, x.y, x.z, arm[1] * x.z - arm[2] * x.y, arm[2] * x.x - arm[0] * x.z, arm[0] * x.y - arm[1] * x.x};
+    std::size_t k = 0;
+    for (std::size_t a = 0; a < 6; ++a) {
+      const Wide scaled = weight * line[a];
+      for (std::size_t b = 0; b <= a; ++b) sums_[k++] += scaled * line[b];
+    }
+    empty_ = false;
+  }
+
+  void add_to(RigidMatrix& matrix) const {
+    if (empty_) return;
+    std::size_t k = 0;
+    for (int a = 0; a < 6; ++a)
+      for (int b = 0; b <= a; ++b) {
+        const float sum = sums_[k++].sum();
+        matrix(rigid::row_of(a), b) += sum;
+        if (a != b) matrix(rigid::row_of(b), a) += sum;
+      }
+  }
+
+ private:
+  std::array<Wide, 21> sums_ = filled();
+  bool empty_ = true;
+
+  static std::array<Wide, 21> filled() {
+    std::array<Wide, 21> zeros;
+    zeros.fill(Wide::Zero());
+    return zeros;
+  }
+};
 
 /// Sums over the pairs of a cell's particles.
 class RigidMultigrid::CellSums {
@@ -50,14 +92,21 @@ class RigidMultigrid::CellSums {
         time_step_(time_step),
         centre_(grid.levels_[0].centre[cell]),
         anchor_(grid.levels_[0].anchor[cell]) {
+    into_[0] = &anchor_;
     const auto place = RigidLevel::place_of(grid.levels_[0].key[cell]);
     for (std::size_t a = 0; a < 3; ++a) place_[a] = static_cast<float>(place[a]);
     for (const RigidLevel::Link& link : grid.levels_[0].links_from(cell)) {
       const auto other = RigidLevel::place_of(grid.levels_[0].key[link.to]);
       const auto code = other[0] - place[0] + 3 * (other[1] - place[1]) + 9 * (other[2] - place[2]);
       const std::ptrdiff_t k = &link - grid.levels_[0].links.data();
-      coupling_[static_cast<std::size_t>(code)] = &grid.levels_[0].coupling[static_cast<std::size_t>(k)];
+      into_[static_cast<std::size_t>(code)] = &grid.levels_[0].coupling[static_cast<std::size_t>(k)];
     }
+  }
+
+  /// Writes what has been added.
+  void finish() const {
+    for (std::size_t k = 0; k < sums_.size(); ++k)
+      if (into_[k] != nullptr) sums_[k].add_to(*into_[k]);
   }
 
   void add(std::size_t i) {
@@ -81,19 +130,24 @@ class RigidMultigrid::CellSums {
   }
 
  private:
-  /// Adds to the links those of the pairs that are between two cells, or with a particle that is led.
+  /// Adds those of the pairs that are between two cells, or with a particle that is led.
   void couple(const PairBlock& block, const WideVec& x, const Wide& weight, const Vec4f& arm) {
     const WideVec xj = gather(particles_.position, block);
-    const Wide code = offset(xj.x, 0) + 3 * offset(xj.y, 1) + 9 * offset(xj.z, 2);
-    if (!grid_.any_led_ && (code <= 0).all()) return;
+    Wide code = offset(xj.x, 0) + 3 * offset(xj.y, 1) + 9 * offset(xj.z, 2);
+    code = (code > 0 && weight > 0).select(code, kNoSum);
+    if (grid_.any_led_) find_led(block, weight, code);
+    if ((code == kNoSum).all()) return;
     for (int k = 0; k < kWide; ++k) {
-      if (!(weight[k] > 0)) continue;
-      RigidMatrix* into = code[k] > 0 ? coupling_[static_cast<std::size_t>(code[k])] : nullptr;
-      if (grid_.any_led_ && particles_.led_by[block.base + block.offset[static_cast<std::size_t>(k)]] != 0)
-        into = &anchor_;
-      if (into != nullptr)
-        rigid::add_square(*into, rigid::load({x.x[k], x.y[k], x.z[k], 0}, arm), time_step_ * weight[k]);
+      const float sum = code[k];
+      if (sum == kNoSum) continue;
+      sums_[static_cast<std::size_t>(sum)].add(x, (code == sum).select(time_step_ * weight, 0.0f), arm);
+      code = (code == sum).select(kNoSum, code);
     }
+  }
+  void find_led(const PairBlock& block, const Wide& weight, Wide& code) const {
+    for (int k = 0; k < kWide; ++k)
+      if (weight[k] > 0 && particles_.led_by[block.base + block.offset[static_cast<std::size_t>(k)]] != 0)
+        code[k] = kAnchorSum;
   }
   Wide offset(const Wide& x, std::size_t axis) const;
   void add_inertia(const Vec4f& arm);
@@ -109,7 +163,8 @@ class RigidMultigrid::CellSums {
   Vec4f centre_;
   RigidMatrix& anchor_;
   std::array<float, 3> place_;
-  std::array<RigidMatrix*, 14> coupling_{};  // by x + 3 y + 9 z
+  std::array<RigidMatrix*, 14> into_{};  // by x + 3 y + 9 z, cells away; itself: its anchor
+  std::array<WideSquares, 14> sums_;     // of what goes there
 };
 
 /// Cells from this one, -1, 0 or 1.
@@ -154,8 +209,12 @@ void RigidMultigrid::build(const ViscousForces& forces, const FluidParticles& pa
       [&](std::size_t cell) {
         CellSums sums(*this, cell, forces, particles, lists, walls, time_step);
         for_particles(cell, [&](std::size_t i) { sums.add(i); });
+        sums.finish();
       },
       kFinestGrain);
+  depth_ = 0;
+  std::ranges::fill(levels_.front().motion, RigidVector::Zero());
+  if (static_cast<double>(forces.largest_viscosity() * time_step) < kWeak * spacing_ * spacing_) return;
   for (depth_ = 1;; ++depth_) {
     if (levels_.size() == depth_) levels_.emplace_back();
     if (!levels_[depth_].coarsen(levels_[depth_ - 1])) break;
@@ -217,6 +276,7 @@ void RigidMultigrid::find_centre(const FluidParticles& particles, std::size_t ce
 }
 
 void RigidMultigrid::solve(const FluidParticles& particles, const std::vector<Vec4f>& r) {
+  if (depth_ == 0) return;
   RigidLevel& level = levels_.front();
   parallel_for(
       level.cells(),
@@ -226,16 +286,15 @@ void RigidMultigrid::solve(const FluidParticles& particles, const std::vector<Ve
           sum += rigid::load(r[i], particles.position[i] - level.centre[cell]);
         });
         level.load[cell] = sum;
-        level.motion[cell].setZero();
       },
       kFinestGrain);
   for (std::size_t k = 0; k < depth_; ++k) {
-    levels_[k].relax(true);
+    levels_[k].relax_from_zero();
     if (k + 1 < depth_) levels_[k].restrict_to(levels_[k + 1]);
   }
   for (std::size_t k = depth_; k-- > 0;) {
     if (k + 1 < depth_) levels_[k].add_from(levels_[k + 1]);
-    levels_[k].relax(false);
+    levels_[k].relax();
   }
 }
 

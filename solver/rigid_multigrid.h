@@ -57,6 +57,7 @@ class RigidMultigrid {
     std::uint64_t key;
     std::uint32_t begin, end;
   };
+  class WideSquares;
   class CellSums;
 
   void find_runs(const ViscousForces& forces, const FluidParticles& particles);
@@ -70,7 +71,7 @@ class RigidMultigrid {
   std::vector<std::uint32_t> cell_of_;    // by particle; kNone: takes no part
   std::vector<SymmetricMatrix> inverse_diagonal_;
   std::vector<RigidLevel> levels_;  // from fine to coarse
-  std::size_t depth_ = 1;           // levels in use
+  std::size_t depth_ = 0;           // levels in use; 0: M is D
   bool any_led_ = false;
 };
 

@@ -17,6 +17,9 @@ constexpr double kRoundings = 4 * static_cast<double>(std::numeric_limits<float>
 // Of r . M^-1 r: when it has fallen so far, r is computed anew, for its recursion is in single precision.
 constexpr double kReliable = 1e-7;
 
+// 1 / the square of the least eigenvalue of M^-1 A: |e| <= |z| / that eigenvalue.
+constexpr double kSlowest = 30;
+
 double dot(const Vec4f& a, const Vec4f& b) {
   return static_cast<double>(a.dot(b));
 }
@@ -56,6 +59,19 @@ double ViscositySolver::tolerated(const Squares& squares, double time_step) cons
   return tolerance_ * tolerance_ * scale + kRoundings * kRoundings * squares.speed;
 }
 
+/// What M^-1 r = z says of the error e = A^-1 r, r its residual.
+struct ViscositySolver::Progress {
+  double energy = 0;  // r . z
+  double square = 0;  // z . z
+
+  friend Progress operator+(const Progress& a, const Progress& b) {
+    return {a.energy + b.energy, a.square + b.square};
+  }
+  /// About the most that e . e can be. A >= 1, so that e . e <= e . A e = r . A^-1 r. Of stiff liquid, whose
+  /// last bits alone have much energy, the other bound is the smaller one.
+  double error() const { return energy > 0 ? std::min(energy, kSlowest * square) : 0; }
+};
+
 /// One solve. Every vector but v is zero for the particles that take no part. The steps are those of the
 /// preconditioned conjugate gradients (Hestenes & Stiefel, "Methods of conjugate gradients for solving linear
 /// systems", 1952).
@@ -80,23 +96,24 @@ class ViscositySolver::ConjugateGradients {
   }
 
   /// r = v* - v - dt (L v - f), p = 0.
-  void restart() {
-    parallel_for(particles_.size(), [this](std::size_t i) {
+  Squares restart() {
+    return sum(Squares(), [this](std::size_t i) {
       residual_[i].setZero();
       direction_[i].setZero();
-      if (!preconditioner_.takes_part(i)) return;
+      if (!preconditioner_.takes_part(i)) return Squares();
       const Vec4f friction = forces_.resistance(i, particles_, lists_, walls_, solution_) -
                              forces_.wall_drive(i, particles_, walls_);
       residual_[i] = particles_.velocity[i] - solution_[i] - time_step_ * friction;
+      return squares(i);
     });
   }
 
-  /// z = M^-1 r; returns r . z.
-  double precondition() {
+  /// z = M^-1 r.
+  Progress precondition() {
     preconditioner_.solve(particles_, residual_);
-    return sum(0.0, [this](std::size_t i) {
+    return sum(Progress(), [this](std::size_t i) {
       image_[i] = preconditioner_.times(particles_, residual_, i);
-      return dot(image_[i], residual_[i]);
+      return Progress{dot(image_[i], residual_[i]), dot(image_[i], image_[i])};
     });
   }
 
@@ -117,22 +134,20 @@ class ViscositySolver::ConjugateGradients {
   }
 
   /// v += length p, r -= length q.
-  void advance(float length) {
-    parallel_for(particles_.size(), [this, length](std::size_t i) {
+  Squares advance(float length) {
+    return sum(Squares(), [this, length](std::size_t i) {
       solution_[i] += length * direction_[i];
       residual_[i] -= length * image_[i];
-    });
-  }
-
-  Squares squares() const {
-    return sum(Squares(), [this](std::size_t i) {
-      if (!preconditioner_.takes_part(i)) return Squares();
-      const Vec4f change = solution_[i] - particles_.velocity[i];
-      return Squares{1, dot(change, change), dot(solution_[i], solution_[i])};
+      return squares(i);
     });
   }
 
  private:
+  Squares squares(std::size_t i) const {
+    if (!preconditioner_.takes_part(i)) return {};
+    const Vec4f change = solution_[i] - particles_.velocity[i];
+    return {1, dot(change, change), dot(solution_[i], solution_[i])};
+  }
   template <class T, class Value>
   T sum(const T& zero, const Value& value) const {
     return parallel_sum(particles_.size(), zero, value);
@@ -152,24 +167,24 @@ ViscositySolve ViscositySolver::solve(FluidParticles& particles, const Neighbour
   if (forces_.none()) return {};
   preconditioner_.build(forces_, particles, lists, walls, time_step);
   ConjugateGradients step(*this, preconditioner_, particles, lists, walls, time_step);
-  step.restart();
+  Squares squares = step.restart();
   ViscositySolve result;
   double first = 0, last = 0;
   for (bool restarted = true;; ++result.iterations) {
-    double energy = step.precondition();
-    const double target = tolerated(step.squares(), static_cast<double>(time_step));
-    if (energy < kReliable * first) {
-      step.restart();
-      energy = step.precondition();
+    Progress now = step.precondition();
+    if (now.energy < kReliable * first) {
+      squares = step.restart();
+      now = step.precondition();
       restarted = true;
     }
-    result.error = energy > 0 ? std::sqrt(energy / target) : 0;
-    if (result.error <= 1 || result.iterations == max_iterations_) break;
-    step.turn(restarted ? 0.0f : static_cast<float>(energy / last));
-    if (restarted) first = energy;
-    last = energy;
+    const double target = tolerated(squares, static_cast<double>(time_step));
+    result.error = std::sqrt(now.error() / std::max(target, std::numeric_limits<double>::min()));
+    if (!(result.error > 1) || result.iterations == max_iterations_) break;
+    step.turn(restarted ? 0.0f : static_cast<float>(now.energy / last));
+    if (restarted) first = now.energy;
+    last = now.energy;
     restarted = false;
-    step.advance(static_cast<float>(energy / step.curvature()));
+    squares = step.advance(static_cast<float>(now.energy / step.curvature()));
   }
   balance_momentum(preconditioner_, forces_, particles, lists, walls, time_step, particles.viscous_velocity);
   particles.velocity = particles.viscous_velocity;

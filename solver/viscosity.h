@@ -48,6 +48,7 @@ class ViscositySolver {
  private:
   class ConjugateGradients;
   struct Squares;
+  struct Progress;
 
   double tolerated(const Squares& squares, double time_step) const;
 

@@ -17,11 +17,15 @@ ViscousForces::ViscousForces(const FluidOptions& options)
 }
 
 bool ViscousForces::none() const {
-  return std::ranges::all_of(pair_viscosity_, [](float viscosity) { return viscosity == 0; });
+  return largest_viscosity() == 0;
 }
 
-Wide ViscousForces::several_viscosities(std::uint8_t fluid, const FluidParticles& particles,
-                                        const PairBlock& block) const {
+float ViscousForces::largest_viscosity() const {
+  return std::ranges::max(pair_viscosity_);
+}
+
+Wide ViscousForces::viscosities(std::uint8_t fluid, const FluidParticles& particles,
+                                const PairBlock& block) const {
   const float* with = pair_viscosity_.data() + fluid * fluids_;
   Wide result;
   for (int k = 0; k < kWide; ++k)

@@ -19,7 +19,7 @@ namespace kappaflow {
 /// The three coefficients here make the fourth moment isotropic and right on the lattice of the spacing, and
 /// right for a continuum of particles. T is float or Wide.
 template <class T>
-T viscosity_weight(const T& r2, float support) {
+[[gnu::always_inline]] inline T viscosity_weight(const T& r2, float support) {
   const float square = support * support;
   const T s = 1.0f - r2 * (1 / square);
   return (16 / (square * square)) * s * (0.56891262f + s * (5.23485966f * s - 2.36495851f));
@@ -39,6 +39,7 @@ class ViscousForces {
 
   /// Whether no fluid is viscous.
   bool none() const;
+  float largest_viscosity() const;  ///< [m2/s]
   /// Whether the particle feels viscous forces.
   bool act_on(std::size_t i, const FluidParticles& particles) const {
     return wall_viscosity_[particles.fluid[i]] > 0 || pair_viscosity_[particles.fluid[i] * (fluids_ + 1)] > 0;
@@ -66,7 +67,8 @@ class ViscousForces {
   }
 
  private:
-  Wide several_viscosities(std::uint8_t fluid, const FluidParticles& particles, const PairBlock& block) const;
+  /// nu_ij of a particle of `fluid` and the eight of the block [m2/s].
+  Wide viscosities(std::uint8_t fluid, const FluidParticles& particles, const PairBlock& block) const;
 
   float support_;  // of the kernel [m]
   std::size_t fluids_;
@@ -75,21 +77,17 @@ class ViscousForces {
 };
 
 template <class Visit>
-void ViscousForces::for_pairs(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists,
-                              const Visit& visit) const {
-  const Vec4f& xi = particles.position[i];
-  const float one = pair_viscosity_[0];
-  const bool several = fluids_ > 1;
+inline void ViscousForces::for_pairs(std::size_t i, const FluidParticles& particles,
+                                     const NeighbourLists& lists, const Visit& visit) const {
+  const Vec4f xi = particles.position[i];
+  Wide viscosity = Wide::Constant(pair_viscosity_.front());
   for (const PairBlock& block : lists.of(i)) {
     const WideVec xj = gather(particles.position, block);
     const Wide x = xi[0] - xj.x, y = xi[1] - xj.y, z = xi[2] - xj.z;
     const Wide r2 = x * x + y * y + z * z;
-    const Wide weight = block.present() * viscosity_weight<Wide>(r2, support_);
-    if (several)
-      visit(block, WideVec{x, y, z, r2},
-            Wide(several_viscosities(particles.fluid[i], particles, block) * weight));
-    else
-      visit(block, WideVec{x, y, z, r2}, Wide(one * weight));
+    if (fluids_ > 1) viscosity = viscosities(particles.fluid[i], particles, block);
+    const Wide weight = viscosity * block.present() * viscosity_weight<Wide>(r2, support_);
+    visit(block, WideVec{x, y, z, r2}, weight);
   }
 }
 

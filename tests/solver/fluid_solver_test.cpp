@@ -404,6 +404,21 @@ TEST(FluidSolver, NotFiniteIsAFailure) {
   }
 }
 
+TEST(FluidSolver, MotionOfManySpacingsInAStepIsAFailure) {
+  FluidOptions o = options(0.1);
+  o.cfl = 100;
+  const std::vector<Vec3> points{Vec3(0, 1, 0)}, velocity{Vec3(300, 0, 0)};
+  FluidSolver solver(o, points, velocity, {});
+  try {
+    solver.step(1);
+    FAIL() << "a step of fifteen spacings passed";
+  } catch (const SolverFailure& failure) {
+    const std::string message = failure.what();
+    EXPECT_NE(message.find("the flow explodes: it would move by 15 spacings in one step"), std::string::npos)
+        << message;
+  }
+}
+
 TEST(FluidSolver, PressureThatDoesNotConvergeIsAFailure) {
   // Nothing drives particles apart that all are in one place.
   const std::vector<Vec3> points(20, Vec3(0.5, 0.3, 0.5));

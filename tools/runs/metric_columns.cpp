@@ -98,6 +98,9 @@ constexpr MetricColumn kColumns[] = {
     of_frame<&Frame::density_error_max>("density_error_max", "1",
                                         "compression of the particle that has most: the largest since the "
                                         "last frame"),
+    of_frame<&Frame::viscosity_error>("viscosity_error", "1",
+                                      "error of the velocities after viscosity over what "
+                                      "viscosity_tolerance allows: the largest since the last frame"),
     of_surface<&Surface::vertices>("vertices", "1", Better::neither, "how many the mesh has"),
     of_surface<&Surface::triangles>("triangles", "1", Better::neither, "how many the mesh has"),
     of_surface<&Surface::residual_max>(

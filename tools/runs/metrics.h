@@ -20,6 +20,7 @@ struct FrameMetrics {
   std::optional<double> penetration_max;     ///< deepest particle centre inside a solid, in spacings; >= 0
   std::optional<double> density_error_mean;  ///< largest mean compression of a step since the last frame [1]
   std::optional<double> density_error_max;   ///< largest compression of a particle since then [1]
+  std::optional<double> viscosity_error;     ///< largest of a step since then, over what is tolerated [1]
   IsosurfaceMetrics isosurface;
 };
 

@@ -54,6 +54,7 @@ FrameReport SceneFrames::take_report(int frame) {
   const Compression now = compression(report.particles.density, scene_.fluid.density);
   metrics.density_error_mean = std::max(now.mean, since.density_error_mean);
   metrics.density_error_max = std::max(now.max, since.density_error_max);
+  metrics.viscosity_error = since.viscosity_error;
   report.steps = since.surfaces;
   report.liquid_seconds = since.solver_seconds;
   report.tracer_seconds = since.tracer_seconds;

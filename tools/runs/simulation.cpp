@@ -63,6 +63,7 @@ bool Simulation::advance(double time, const Watch& watch) {
     report_.solver_seconds += watch_solver.seconds();
     report_.density_error_mean = std::max(report_.density_error_mean, step.density_error_mean);
     report_.density_error_max = std::max(report_.density_error_max, step.density_error_max);
+    report_.viscosity_error = std::max(report_.viscosity_error, step.viscosity_error);
     if (++untracked_ == stride_) step_surfaces();
     if (!watch(step) && time - fluid_.time() > kTimeTolerance) return false;
   }

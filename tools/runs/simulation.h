@@ -13,6 +13,7 @@ namespace kappaflow {
 /// What happened to liquid and surfaces since the last frame.
 struct SimulationReport {
   double density_error_mean = 0, density_error_max = 0;  ///< the largest of FluidStep's
+  double viscosity_error = 0;                            ///< likewise
   double solver_seconds = 0;                             ///< wall time of the liquid
   double tracer_seconds = 0;                             ///< and of the material tracers
   std::vector<TrackerStep> surfaces;                     ///< one entry a method
@@ -20,7 +21,7 @@ struct SimulationReport {
   /// See core/saved_state.h; without the wall times, and the surfaces, which save their own.
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(density_error_mean, density_error_max);
+    archive(density_error_mean, density_error_max, viscosity_error);
   }
 };
 

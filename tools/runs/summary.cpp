@@ -30,6 +30,15 @@ std::string compression_warning(const RunSummary& s) {
       100 * s.density_tolerance, 100 * mean, 100 * max);
 }
 
+std::string viscosity_warning(const RunSummary& s) {
+  const double error = s.viscosity_error.value_or(0);
+  if (error <= 1) return "";
+  return fmt::format(
+      "  warning: the viscosity solver did not converge in every step: its error was up to {:.2g} times what "
+      "viscosity_tolerance allows; raise max_viscosity_iterations or viscosity_tolerance\n",
+      error);
+}
+
 std::string run_lines(const RunSummary& s, const std::string& title, const ParticleFieldOptions& field) {
   std::string text = fmt::format(
       "{}\n  {} particles, {} frames, {} steps to t = {:.4g} s; threshold {:.6g}, sigma {:.4g} m\n", title,
@@ -39,7 +48,7 @@ std::string run_lines(const RunSummary& s, const std::string& title, const Parti
     text +=
         fmt::format("  deepest particle {:.3f} spacings inside a wall; compression mean {:.2e}, max {:.2e}\n",
                     *s.penetration_max, *s.density_error_mean, *s.density_error_max);
-  return text + compression_warning(s);
+  return text + compression_warning(s) + viscosity_warning(s);
 }
 
 std::string time_line(const RunSummary& s) {
@@ -102,6 +111,7 @@ void RunSummary::add_frame(const FrameMetrics& metrics, double tracers, double s
   penetration_max = std::max(penetration_max, metrics.penetration_max);
   density_error_mean = std::max(density_error_mean, metrics.density_error_mean);
   density_error_max = std::max(density_error_max, metrics.density_error_max);
+  viscosity_error = std::max(viscosity_error, metrics.viscosity_error);
   tracer_seconds += tracers;
   shared_output_seconds += shared_output;
 }

@@ -28,7 +28,8 @@ struct MethodSummary {
 struct RunSummary {
   std::vector<MethodSummary> methods;
   std::vector<FrameMetrics> frames;  ///< the finished ones, the first included
-  std::optional<double> penetration_max, density_error_mean, density_error_max;  ///< largest of all frames
+  /// The largest of all frames.
+  std::optional<double> penetration_max, density_error_mean, density_error_max, viscosity_error;
   double density_tolerance = 0;   ///< of the liquid's solver [1]
   std::size_t steps = 0;          ///< in time
   std::size_t frames_before = 0;  ///< frames that were there when the run was resumed, which are not timed

@@ -13,8 +13,9 @@ namespace {
 TEST(MetricsTable, HasTheDocumentedColumns) {
   EXPECT_EQ(
       metrics_header(),
-      "frame,time,method,particles,penetration_max,density_error_mean,density_error_max,vertices,triangles,"
-      "residual_max,quality_min,quality_mean,area,volume,isosurface_volume,slip,rotation_captured,"
+      "frame,time,method,particles,penetration_max,density_error_mean,density_error_max,"
+      "viscosity_error,vertices,triangles,residual_max,quality_min,quality_mean,area,volume,isosurface_"
+      "volume,slip,rotation_captured,"
       "tracer_distance,components,genus,isosurface_components,isosurface_genus,kept_fraction,unprojected,"
       "folded_fraction,angles_outside,self_intersections,texture_jump,texture_cracks,kept_since_frame,"
       "surface_without_mesh,mesh_without_surface,regions_replaced,regions_refused,"
@@ -22,7 +23,7 @@ TEST(MetricsTable, HasTheDocumentedColumns) {
 }
 
 TEST(MetricsTable, RowMatchesTheHeader) {
-  const FrameMetrics frame{7, 0.28, 1000, 0.25, 1.0 / 3.0, 0.02, {0.75, {2, 3}}};
+  const FrameMetrics frame{7, 0.28, 1000, 0.25, 1.0 / 3.0, 0.02, 0.5, {0.75, {2, 3}}};
   SurfaceMetrics surface;
   surface.vertices = 12;
   surface.triangles = 20;
@@ -42,9 +43,10 @@ TEST(MetricsTable, RowMatchesTheHeader) {
   surface.regions_refused = 9;
   surface.on_lattice = {10, 11};
   surface.vertices_replaced = 13;
-  EXPECT_EQ(metrics_row({frame, "total", surface}),
-            "7,0.28,total,1000,0.25,0.333333333333,0.02,12,20,1e-05,0.5,0.9,3.5,0.625,0.75,,0.875,,1,4,2,3,1,"
-            "5,0,0.125,6,0.5,0.25,0.875,1.5,2.5,8,9,10,11,13\n");
+  EXPECT_EQ(
+      metrics_row({frame, "total", surface}),
+      "7,0.28,total,1000,0.25,0.333333333333,0.02,0.5,12,20,1e-05,0.5,0.9,3.5,0.625,0.75,,0.875,,1,4,2,3,1,"
+      "5,0,0.125,6,0.5,0.25,0.875,1.5,2.5,8,9,10,11,13\n");
   EXPECT_EQ(split(metrics_row({frame, "total", surface}), ',').size(), split(metrics_header(), ',').size());
 }
 

@@ -36,6 +36,7 @@ void expect_same(const Simulation& one, const Simulation& other) {
 void expect_same(const SimulationReport& one, const SimulationReport& other) {
   EXPECT_EQ(one.density_error_mean, other.density_error_mean);
   EXPECT_EQ(one.density_error_max, other.density_error_max);
+  EXPECT_EQ(one.viscosity_error, other.viscosity_error);
   ASSERT_EQ(one.surfaces.size(), other.surfaces.size());
   for (std::size_t m = 0; m < one.surfaces.size(); ++m) {
     const TrackerStep &a = one.surfaces[m], &b = other.surfaces[m];

@@ -5,13 +5,14 @@
 namespace kappaflow {
 namespace {
 
-std::string text_after(double mean, double max, double tolerance) {
+std::string text_after(double mean, double max, double tolerance, double viscosity_error = 0.9) {
   RunSummary summary;
   summary.density_tolerance = tolerance;
   FrameMetrics frame;
   frame.penetration_max = 0.1;
   frame.density_error_mean = mean;
   frame.density_error_max = max;
+  frame.viscosity_error = viscosity_error;
   summary.add_frame({}, 0, 0);
   summary.add_frame(frame, 0, 0);
   summary.methods.resize(1);
@@ -31,6 +32,15 @@ TEST(Summary, WarnsOfLiquidThatWasSqueezed) {
                 "max_pressure_iterations\n"),
       std::string::npos);
   EXPECT_NE(text_after(6e-4, 0.43, 1e-4).find(": by 0.06 % in the mean, 43 % at a particle; "),
+            std::string::npos);
+}
+
+TEST(Summary, WarnsOfAViscositySolveThatDidNotConverge) {
+  EXPECT_EQ(text_after(0, 0, 1e-4, 1).find("warning"), std::string::npos);
+  EXPECT_NE(text_after(0, 0, 1e-4, 1.25)
+                .find("\n  warning: the viscosity solver did not converge in every step: its error was up to "
+                      "1.2 times what viscosity_tolerance allows; raise max_viscosity_iterations or "
+                      "viscosity_tolerance\n"),
             std::string::npos);
 }
 
