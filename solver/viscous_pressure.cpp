@@ -12,6 +12,9 @@ namespace {
 constexpr double kBulk = 5.0 / 3;
 // From here on liquid is thick: viscosity * longest step / spacing^2.
 constexpr double kThick = 36;
+// Up to here the pressure takes the whole correction in one step, beyond in several: what the viscous solve
+// leaves unsolved would count as compression.
+constexpr double kMostThick = 100;
 // A row of single particles, which has less than this of the rest density, carries no tension.
 constexpr float kLeastDensity = 0.5f;
 // Smallest share with which a thread of four particles across can be drawn out to a quarter of its section.
@@ -39,7 +42,8 @@ ViscousPressure::ViscousPressure(const FluidOptions& options)
     const double viscosity = viscosity_of(fluid, options);
     const bool thick = is_thick(viscosity, options);
     needed_ = needed_ || thick;
-    resistance_.push_back(thick ? static_cast<float>(kBulk * viscosity) : 0);
+    const double most = kMostThick * options.spacing * options.spacing / options.max_time_step;
+    resistance_.push_back(thick ? static_cast<float>(kBulk * std::min(viscosity, most)) : 0);
   }
 }
 
