@@ -203,7 +203,7 @@ function makeControls() {
   if (!run.walls) byId('walls').parentElement.hidden = true;
   handlePointers();
   handleKeys();
-  new ResizeObserver(() => requestAnimationFrame(layOut)).observe(canvas);
+  new ResizeObserver(() => { draw(); requestAnimationFrame(layOut); }).observe(canvas);
 }
 
 function showOrigin() {

@@ -6,6 +6,8 @@ const COMPONENT_BYTES = [2, 2, 2, 2, 2, 2, 1, 1, ...run.colours.map(() => 1)];
 const NORMAL_AT = 12, COLOUR_AT = 14;  // of a vertex in its buffer, after position and rest position [bytes]
 const VERTEX_BYTES = 4 * Math.ceil((COLOUR_AT + run.colours.length) / 4);
 
+const WALL_BYTES = 12, WALL_NORMAL_AT = 6;
+
 const bytesOf = text => Uint8Array.from(atob(text), c => c.charCodeAt(0));
 
 /// The bytes of an element, which is not needed after that.
@@ -98,9 +100,34 @@ let walls = null;
 
 async function loadWalls() {
   const corners = new Uint32Array(await inflated('walls-corners')), hides = new Uint32Array(await inflated('walls-hides'));
-  const places = [];
-  for (let f = 0; f < run.walls.frames; ++f) places.push(new Uint16Array(await inflated(`walls-${f}`)));
-  walls = {corners, hides, places, edges: sharpEdges(corners, places[0])};
+  const buffers = [];
+  let edges;
+  for (let f = 0; f < run.walls.frames; ++f) {
+    const places = new Uint16Array(await inflated(`walls-${f}`)), normals = wallNormals(corners, places);
+    edges ??= sharpEdges(corners, places, normals);
+    buffers.push(wallBuffer(corners, places, normals));
+  }
+  walls = {hides, buffers, edges};
+}
+
+function wallNormals(corners, places) {
+  const scale = run.walls.upper.map((x, a) => (x - run.walls.lower[a]) / 65535), normals = [];
+  const point = v => scale.map((s, a) => s * places[3 * v + a]);
+  for (let t = 0; t < corners.length; t += 3) {
+    const [a, b, c] = [0, 1, 2].map(k => point(corners[t + k]));
+    normals.push(normalized(cross(minus(b, a), minus(c, a))));
+  }
+  return normals;
+}
+
+/// A vertex for each corner of each triangle: its place, and the triangle's normal in 127ths.
+function wallBuffer(corners, places, normals) {
+  const buffer = new ArrayBuffer(WALL_BYTES * corners.length), wide = new Uint16Array(buffer), narrow = new Int8Array(buffer);
+  corners.forEach((v, i) => {
+    wide.set(places.subarray(3 * v, 3 * v + 3), WALL_BYTES / 2 * i);
+    narrow.set(normals[Math.floor(i / 3)].map(x => Math.round(127 * x)), WALL_BYTES * i + WALL_NORMAL_AT);
+  });
+  return buffer;
 }
 
 async function loadSurfaces(onFrame) {
@@ -112,22 +139,16 @@ async function loadSurfaces(onFrame) {
   }
 }
 
-/// The edges between triangles that meet at more than 40 degrees, and rims: pairs of vertices.
-function sharpEdges(corners, places) {
-  const scale = run.walls.upper.map((x, a) => (x - run.walls.lower[a]) / 65535);
-  const point = v => [0, 1, 2].map(a => scale[a] * places[3 * v + a]);
-  const placeName = v => `${places[3 * v]},${places[3 * v + 1]},${places[3 * v + 2]}`;
+/// The edges between triangles that meet at more than 40 degrees, and rims: pairs of corners.
+function sharpEdges(corners, places, normals) {
+  const placeName = i => places.subarray(3 * corners[i], 3 * corners[i] + 3).join();
   const sides = new Map();  // of the edge between two places: its ends, and the normals of its triangles
-  for (let t = 0; t < corners.length; t += 3) {
-    const [a, b, c] = [0, 1, 2].map(k => point(corners[t + k]));
-    const normal = normalized(cross(minus(b, a), minus(c, a)));
-    for (let k = 0; k < 3; ++k) {
-      const ends = [corners[t + k], corners[t + (k + 1) % 3]], name = ends.map(placeName).sort().join(' ');
-      if (!sides.has(name)) sides.set(name, {ends, normals: []});
-      sides.get(name).normals.push(normal);
-    }
-  }
-  const sharp = [...sides.values()].filter(({normals}) => normals.length !== 2 || dot(...normals) < 0.766);
+  corners.forEach((_, i) => {
+    const t = Math.floor(i / 3), ends = [i, 3 * t + (i + 1) % 3], name = ends.map(placeName).sort().join(' ');
+    if (!sides.has(name)) sides.set(name, {ends, normals: []});
+    sides.get(name).normals.push(normals[t]);
+  });
+  const sharp = [...sides.values()].filter(side => side.normals.length !== 2 || dot(...side.normals) < 0.766);
   return Uint32Array.from(sharp.flatMap(({ends}) => ends));
 }
 

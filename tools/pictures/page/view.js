@@ -11,7 +11,6 @@ function drawsWithoutCard() {
     const names = probe.getExtension('WEBGL_debug_renderer_info');
     if (names) renderer = probe.getParameter(names.UNMASKED_RENDERER_WEBGL);
   }
-  probe?.getExtension('WEBGL_lose_context')?.loseContext();
   return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(renderer);
 }
 
@@ -139,28 +138,26 @@ void main() {
   result = vec4(base * lit + (checker ? 0.12 : 0.04) * shine, 1.0);
 }`;
 
+// Much of a picture is walls: their light is found once a triangle.
 const WALL_VERTEX = `#version 300 es
-in vec3 place;
+in vec3 place, normal;
 uniform mat4 camera;
-uniform vec3 placeScale, placeOrigin;
-out vec3 at;
+uniform vec3 placeScale, placeOrigin, key, side, viewer;
+uniform bool shaded;
+flat out float lit;
 void main() {
-  at = place * placeScale + placeOrigin;
-  gl_Position = camera * vec4(at, 1.0);
+  vec3 n = normalize(dot(normal, viewer) < 0.0 ? -normal : normal);
+  lit = shaded ? 0.38 + 0.66 * (0.8 * max(dot(n, key), 0.0) + 0.45 * max(dot(n, side), 0.0)) : 1.0;
+  gl_Position = camera * vec4(place * placeScale + placeOrigin, 1.0);
 }`;
 
 const WALL_FRAGMENT = `#version 300 es
-precision highp float;
-in vec3 at;
-uniform vec3 key, side, viewer;
+precision mediump float;
+flat in float lit;
 uniform vec4 paint;
-uniform bool shaded;
 out vec4 result;
 void main() {
-  vec3 n = normalize(cross(dFdx(at), dFdy(at)));
-  if (dot(n, viewer) < 0.0) n = -n;
-  float lit = 0.38 + 0.66 * (0.8 * max(dot(n, key), 0.0) + 0.45 * max(dot(n, side), 0.0));
-  result = vec4(shaded ? paint.rgb * lit : paint.rgb, paint.a);
+  result = vec4(paint.rgb * lit, paint.a);
 }`;
 
 /// A program with its uniforms by name, and the places of its attributes in the order given.
@@ -200,13 +197,13 @@ let surfaceProgram, wallProgram, meshes, wallMesh, colourTexture;
 
 function startDrawing() {
   surfaceProgram = program(SURFACE_VERTEX, SURFACE_FRAGMENT, ['place', 'rest', 'normal', 'value']);
-  wallProgram = program(WALL_VERTEX, WALL_FRAGMENT, ['place']);
+  wallProgram = program(WALL_VERTEX, WALL_FRAGMENT, ['place', 'normal']);
   meshes = run.methods.map(() => ({
     ...vertexArray([[3, gl.UNSIGNED_SHORT, false, VERTEX_BYTES, 0], [3, gl.UNSIGNED_SHORT, false, VERTEX_BYTES, 6],
                     [2, gl.UNSIGNED_BYTE, false, VERTEX_BYTES, NORMAL_AT], [1, gl.UNSIGNED_BYTE, true, VERTEX_BYTES, COLOUR_AT]]),
     frame: -1, colour: 0,
   }));
-  wallMesh = {...vertexArray([[3, gl.UNSIGNED_SHORT, false, 6, 0]]), frame: -1, viewer: -1};
+  wallMesh = {...vertexArray([[3, gl.UNSIGNED_SHORT, false, WALL_BYTES, 0], [3, gl.BYTE, false, WALL_BYTES, WALL_NORMAL_AT]]), frame: -1, viewer: -1};
   colourTexture = gl.createTexture();
   gl.bindTexture(gl.TEXTURE_2D, colourTexture);
   gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGB, 256, 1, 0, gl.RGB, gl.UNSIGNED_BYTE, new Uint8Array(768));
@@ -272,12 +269,12 @@ function drawSurface(m, {axes, matrix}) {
 function bindWalls(towards) {
   gl.bindVertexArray(wallMesh.array);
   gl.bindBuffer(gl.ARRAY_BUFFER, wallMesh.buffer);
-  const frame = Math.min(state.frame, walls.places.length - 1);
-  if (wallMesh.frame !== frame) gl.bufferData(gl.ARRAY_BUFFER, walls.places[wallMesh.frame = frame], gl.DYNAMIC_DRAW);
+  const frame = Math.min(state.frame, walls.buffers.length - 1);
+  if (wallMesh.frame !== frame) gl.bufferData(gl.ARRAY_BUFFER, walls.buffers[wallMesh.frame = frame], gl.DYNAMIC_DRAW);
   const nearness = run.walls.viewers.map(v => dot(v, towards)), viewer = nearness.indexOf(Math.max(...nearness));
   if (wallMesh.viewer === viewer) return;
   const solid = [], glass = [];
-  walls.hides.forEach((bits, t) => (bits >>> viewer & 1 ? glass : solid).push(...walls.corners.subarray(3 * t, 3 * t + 3)));
+  walls.hides.forEach((bits, t) => (bits >>> viewer & 1 ? glass : solid).push(3 * t, 3 * t + 1, 3 * t + 2));
   gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, Uint32Array.from([...solid, ...glass, ...walls.edges]), gl.DYNAMIC_DRAW);
   Object.assign(wallMesh, {viewer, solid: solid.length, glass: glass.length});
 }
