@@ -19,8 +19,6 @@ FluidOptions thick_liquid() {
   FluidOptions o;
   o.spacing = 1e-3;
   o.kinematic_viscosity = 0.05;
-  o.viscosity_tolerance = 1e-6;
-  o.max_viscosity_iterations = 1000;
   return o;
 }
 
