@@ -112,7 +112,7 @@ void balance_momentum(const RigidMultigrid& multigrid, const ViscousForces& forc
       },
       kBalanceGrain);
   // About the centre of the component's first cell.
-  const std::vector<std::uint32_t> component = cells.components();
+  const std::vector<std::uint32_t> component = multigrid.components();
   const auto arm_of = [&](std::size_t cell) -> Vec3 {
     return in_double(cells.centre[cell]) - in_double(cells.centre[component[cell]]);
   };

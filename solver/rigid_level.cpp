@@ -264,7 +264,7 @@ void RigidLevel::add_from(const RigidLevel& coarser) {
   });
 }
 
-std::vector<std::uint32_t> RigidLevel::components() const {
+std::vector<std::uint32_t> RigidLevel::components(bool coupled) const {
   std::vector<std::uint32_t> root(cells());
   std::iota(root.begin(), root.end(), 0u);
   const auto root_of = [&](std::uint32_t cell) {
@@ -272,7 +272,7 @@ std::vector<std::uint32_t> RigidLevel::components() const {
     return cell;
   };
   for (std::size_t k = 0; k < links.size(); ++k) {
-    if (coupling[k].topLeftCorner<3, 3>().trace() == 0) continue;
+    if (coupled && coupling[k].topLeftCorner<3, 3>().trace() == 0) continue;
     const auto [a, b] = std::minmax({root_of(links[k].from), root_of(links[k].to)});
     root[b] = a;
   }

@@ -51,8 +51,9 @@ class RigidLevel {
   /// Adds the coarser level's motion.
   void add_from(const RigidLevel& coarser);
 
-  /// The connected component of each cell, by its first cell.
-  std::vector<std::uint32_t> components() const;
+  /// The connected component of each cell, by its first cell: of cells that are coupled, or of all that
+  /// touch.
+  std::vector<std::uint32_t> components(bool coupled) const;
 
   std::size_t bytes() const;
 

@@ -120,7 +120,7 @@ class RigidMultigrid::CellSums {
       xy += w * x.x * x.y;
       xz += w * x.x * x.z;
       yz += w * x.y * x.z;
-      couple(block, x, w, arm);
+      if (!grid_.weak_) couple(block, x, w, arm);
     });
     Eigen::Matrix3d pairs;
     pairs << xx.sum(), xy.sum(), xz.sum(), xy.sum(), yy.sum(), yz.sum(), xz.sum(), yz.sum(), zz.sum();
@@ -183,6 +183,7 @@ void RigidMultigrid::CellSums::add_inertia(const Vec4f& arm) {
 void RigidMultigrid::CellSums::add_wall(std::size_t i, const Vec4f& arm, Eigen::Matrix3d& pairs) {
   for (int c = 0; c < 3; ++c)
     pairs.col(c) += forces_.wall_drag(i, particles_, walls_, Vec4f::Unit(c)).head<3>().cast<double>();
+  if (grid_.weak_) return;
   for (int c = 0; c < 6; ++c) {
     const Vec4f v = rigid::velocity(RigidVector::Unit(rigid::row_of(c)), arm);
     anchor_.col(c) += rigid::load(time_step_ * forces_.wall_drag(i, particles_, walls_, v), arm);
@@ -199,6 +200,7 @@ SymmetricMatrix RigidMultigrid::CellSums::inverse_of(const Eigen::Matrix3d& pair
 
 void RigidMultigrid::build(const ViscousForces& forces, const FluidParticles& particles,
                            const NeighbourLists& lists, const WallSums& walls, float time_step) {
+  weak_ = static_cast<double>(forces.largest_viscosity() * time_step) < kWeak * spacing_ * spacing_;
   find_runs(forces, particles);
   find_cells();
   inverse_diagonal_.resize(particles.size());
@@ -214,7 +216,7 @@ void RigidMultigrid::build(const ViscousForces& forces, const FluidParticles& pa
       kFinestGrain);
   depth_ = 0;
   std::ranges::fill(levels_.front().motion, RigidVector::Zero());
-  if (static_cast<double>(forces.largest_viscosity() * time_step) < kWeak * spacing_ * spacing_) return;
+  if (weak_) return;
   for (depth_ = 1;; ++depth_) {
     if (levels_.size() == depth_) levels_.emplace_back();
     if (!levels_[depth_].coarsen(levels_[depth_ - 1])) break;

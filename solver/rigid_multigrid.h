@@ -39,6 +39,8 @@ class RigidMultigrid {
   bool takes_part(std::size_t i) const { return cell_of_[i] != RigidLevel::kNone; }
   /// Where the particle takes part.
   std::uint32_t cell_of(std::size_t i) const { return cell_of_[i]; }
+  /// The connected component of each cell, by its first cell.
+  std::vector<std::uint32_t> components() const { return finest().components(!weak_); }
   bool any_led() const { return any_led_; }
   double spacing() const { return spacing_; }
   const RigidLevel& finest() const { return levels_.front(); }
@@ -73,6 +75,7 @@ class RigidMultigrid {
   std::vector<RigidLevel> levels_;  // from fine to coarse
   std::size_t depth_ = 0;           // levels in use; 0: M is D
   bool any_led_ = false;
+  bool weak_ = false;  // viscosity: D^-1 alone is as good, and cells that touch are not coupled
 };
 
 }  // namespace kappaflow
