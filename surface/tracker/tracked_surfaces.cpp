@@ -143,14 +143,14 @@ SurfaceState TrackedSurfaces::state(std::size_t surface) const {
                        tracker.options().velocity);
 }
 
-void TrackedSurfaces::find_sources(std::span<const int> source) {
+void TrackedSurfaces::find_sources(std::span<const int> source, bool anew) {
   if (source.empty()) return;
   for (SurfaceTracker& tracker : trackers_) {
     const std::span<int> of_vertex = tracker.source();
     std::vector<std::size_t> unknown;
     std::vector<Vec3> place;
     for (std::size_t v = 0; v < of_vertex.size(); ++v) {
-      if (of_vertex[v] != kUnknownSource) continue;
+      if (!anew && of_vertex[v] != kUnknownSource) continue;
       unknown.push_back(v);
       place.push_back(tracker.mesh().position[v]);
     }

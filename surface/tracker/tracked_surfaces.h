@@ -89,9 +89,9 @@ class TrackedSurfaces {
   /// Normals, curvatures, velocities of one surface at its vertices.
   SurfaceState state(std::size_t surface = 0) const;
 
-  /// Gives every vertex of unknown source that of the nearest particle. One entry a particle; source may be
-  /// empty, and then nothing happens.
-  void find_sources(std::span<const int> source);
+  /// Gives every vertex of unknown source, or `anew` every vertex, that of the nearest particle. One entry a
+  /// particle; source may be empty, and then nothing happens.
+  void find_sources(std::span<const int> source, bool anew = false);
 
   /// Registers an array over the vertices of all surfaces, see TriangleMesh::add_array(): edits of the meshes
   /// carry it along, and files hold it.

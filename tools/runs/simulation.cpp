@@ -52,7 +52,8 @@ Simulation::Simulation(PreparedScene prepared)
       fluid_(make_fluid(prepared.scene, std::move(prepared.start), walls_)),
       surfaces_(fluid_.particles(), surface_options(prepared.scene)),
       tracers_(surfaces_.mesh().position),
-      stride_(prepared.scene.surface.stride) {
+      stride_(prepared.scene.surface.stride),
+      flows_in_(!prepared.scene.fluid.emitters.empty()) {
   surfaces_.find_sources(fluid_.sources());
 }
 
@@ -69,7 +70,7 @@ bool Simulation::advance(double time, const Watch& watch) {
   }
   if (untracked_ > 0) step_surfaces();
   surfaces_.settle();
-  surfaces_.find_sources(fluid_.sources());
+  surfaces_.find_sources(fluid_.sources(), flows_in_);
   return true;
 }
 

@@ -64,6 +64,7 @@ class Simulation {
   TrackedSurfaces surfaces_;
   MaterialTracers tracers_;
   int stride_;
+  bool flows_in_;            // liquid from emitters
   int untracked_ = 0;        // solver steps that the surfaces have not taken yet
   SimulationReport report_;  // but for the surfaces
 };
