@@ -51,7 +51,7 @@ bool heights_stay() {
     moved = std::max(moved, (mesh.position[v] - mesh.rest_position[v]).norm());
     height_change = std::max(height_change, std::abs(mesh.position[v].y() - mesh.rest_position[v].y()));
   }
-  std::printf("%zu vertices moved by up to %.17g m and changed their height by %.17g m\n",
+  std::printf("%zu vertices moved by up to %.12g m and changed their height by %.17g m\n",
               mesh.vertex_count(), moved, height_change);
   return lost == 0 && moved > 0.02 && height_change < 0.01 * moved;
 }
