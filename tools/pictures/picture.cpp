@@ -179,22 +179,33 @@ void fill_panel(vtkRenderer& renderer, vtkPolyData& surface, const Walls& walls,
   renderer.SSAOBlurOn();
 }
 
+/// One for all that is drawn, and never closed: VTK aborts where it opens a window of a display that has
+/// ended, as a virtual one does before the program when that is told to.
+vtkRenderWindow& canvas() {
+  static vtkRenderWindow* const window = [] {
+    vtkRenderWindow* const opened = vtkRenderWindow::New();
+    opened->SetOffScreenRendering(1);
+    opened->SetMultiSamples(0);
+    return opened;
+  }();
+  return *window;
+}
+
 /// What a renderer shows, with kSamples pixels for one along each axis.
 template <class Fill>
 vtkSmartPointer<vtkImageData> drawn(int width, int height, const Fill& fill) {
-  vtkNew<vtkRenderWindow> window;
-  window->SetOffScreenRendering(1);
-  window->SetMultiSamples(0);
-  window->SetSize(kSamples * width, kSamples * height);
+  vtkRenderWindow& window = canvas();
+  window.SetSize(kSamples * width, kSamples * height);
   vtkNew<vtkRenderer> renderer;
   renderer->SetBackground(1, 1, 1);
-  window->AddRenderer(renderer);
+  window.AddRenderer(renderer);
   fill(*renderer);
-  window->Render();
+  window.Render();
   vtkNew<vtkWindowToImageFilter> image;
-  image->SetInput(window);
+  image->SetInput(&window);
   image->ReadFrontBufferOff();
   image->Update();
+  window.RemoveRenderer(renderer);
   return image->GetOutput();
 }
 
