@@ -8,6 +8,7 @@
 #include "core/errors.h"
 #include "core/suggestion.h"
 #include "core/version.h"
+#include "tools/experiments/coiling.h"
 #include "tools/experiments/conservation.h"
 #include "tools/experiments/dam_break.h"
 #include "tools/experiments/enright.h"
@@ -131,6 +132,8 @@ std::span<const Experiment> experiments() {
       Experiment{"validate-gravity-current", "experiments/validate-gravity-current.toml",
                  "viscous liquid spreads on a floor: Huppert's (1982) similarity solution",
                  validate_gravity_current},
+      Experiment{"validate-coiling", "experiments/validate-coiling.toml",
+                 "a thread coils on a plate: frequency of a slender thread (Ribe 2004)", validate_coiling},
       Experiment{"validate-drop", "experiments/validate-drop.toml",
                  "a spinning drop: linear and angular momentum", validate_drop},
       Experiment{"validate-basin", "experiments/validate-basin.toml",

@@ -257,6 +257,14 @@ TEST_F(QuickExperiment, ValidateGravityCurrent) {
   EXPECT_LT(std::abs(std::stod(rows_[0].at("coefficient_error"))), 0.05);
 }
 
+TEST_F(QuickExperiment, ValidateCoiling) {
+  run("validate-coiling");
+  ASSERT_EQ(rows_.size(), 1u);  // the gravitational regime, 2.5 particles in the thread's radius
+  EXPECT_LT(std::abs(std::stod(rows_[0].at("frequency_error"))), 0.25);
+  EXPECT_NEAR(std::stod(rows_[0].at("thread_radius")), std::stod(rows_[0].at("theory_thread_radius")),
+              0.5e-3);
+}
+
 class ExperimentCommand : public Scratch {};
 
 TEST_F(ExperimentCommand, MistakesAreOneLine) {
