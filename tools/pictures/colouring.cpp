@@ -44,7 +44,6 @@ vtkDataArray& array_of(vtkPolyData& surface, const std::string& name) {
   return *array;
 }
 
-/// Whether the array's whole numbers are names of something, such as sources: nothing lies between them.
 bool has_names(vtkDataArray& array) {
   return vtkIntArray::SafeDownCast(&array) != nullptr && array.GetNumberOfComponents() == 1;
 }
@@ -141,6 +140,10 @@ ValueRange value_range(vtkPolyData& surface, const std::string& name) {
   if (values.empty()) return {0, 0};
   const double left_out = has_names(array) ? 0 : kLeftOut;
   return {quantile(values, left_out), quantile(values, 1 - left_out)};
+}
+
+bool holds_names(vtkPolyData& surface, const std::string& name) {
+  return has_names(array_of(surface, name));
 }
 
 ValueRange rounded(ValueRange range) {

@@ -28,6 +28,9 @@ using ValueRange = std::array<double, 2>;
 /// the surface's arrays where it has none of that name.
 ValueRange value_range(vtkPolyData& surface, const std::string& array);
 
+/// Whether the array's whole numbers are names of something, such as sources: nothing lies between them.
+bool holds_names(vtkPolyData& surface, const std::string& array);
+
 /// The range, made wider until its ends and the labels between them are round.
 ValueRange rounded(ValueRange range);
 

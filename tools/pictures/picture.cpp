@@ -113,7 +113,7 @@ vtkSmartPointer<vtkScalarBarActor> bar_actor(const Colouring& colouring, int hei
   bar->SetTitle(colouring.title.c_str());
   bar->SetOrientationToHorizontal();
   bar->SetPosition(0.05, 0.02);
-  bar->SetPosition2(0.9, 0.9);
+  bar->SetPosition2(0.9, colouring.table->GetIndexedLookup() ? 0.56 : 0.9);  // names stand above
   bar->SetNumberOfLabels(colouring.labels);
   bar->SetTextPositionToPrecedeScalarBar();
   bar->SetLabelFormat("%.4g");

@@ -121,7 +121,7 @@ void Drawing::choose_colours(int first, int last) {
         const ValueRange here = value_range(*frames_.surface(method, frame), options_.colour);
         range = {std::min(range[0], here[0]), std::max(range[1], here[1])};
       }
-  if (!options_.range) range = rounded(range);
+  if (!options_.range && !holds_names(*example, options_.colour)) range = rounded(range);
   style_.colouring = colouring(*example, options_.colour, range);
 }
 

@@ -122,6 +122,25 @@ TEST(NameRegions, DivideTriangles) {
   EXPECT_NEAR(area[7], 30, 1e-12);
 }
 
+TEST(Colouring, RangesAreRoundedAndNamesAreNot) {
+  EXPECT_EQ(rounded({-5.07, 8.72}), (ValueRange{-10, 10}));
+  EXPECT_EQ(rounded({0.013, 0.94}), (ValueRange{0, 1}));
+  EXPECT_EQ(rounded({3, 3}), (ValueRange{3, 3}));
+  EXPECT_EQ(colouring(*square(), "rest_position", {0, 4}).labels, 5);
+  EXPECT_EQ(colouring(*square(), "rest_position", {0.1, 3.9}).labels, 2) << "its ends";
+  EXPECT_FALSE(holds_names(*square(), "rest_position"));
+  TriangleMesh mesh = make_triangle_mesh({{0, 0, 0}, {6, 0, 0}, {0, 6, 0}}, {{0, 1, 2}});
+  mesh.source = {0, 3, 7};
+  SurfaceState state;
+  state.normal.assign(3, Vec3::UnitZ());
+  state.motion.velocity.assign(3, Vec3::Zero());
+  state.motion.confidence = state.mean_curvature = state.gaussian_curvature = {0, 0, 0};
+  const auto names = surface_data({0, mesh, state});
+  EXPECT_TRUE(holds_names(*names, "source"));
+  EXPECT_NE(colouring(*names, "source", value_range(*names, "source")).table->GetIndexedLookup(), 0)
+      << "eight";
+}
+
 TEST_F(Picture, SurfacesWithoutACheckerAreRefused) {
   vtkNew<vtkPolyData> nothing;
   const std::vector<Panel> panels{{"nothing", nothing.Get()}};
