@@ -6,6 +6,7 @@
 #include <vtk_jsoncpp.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 #include <string_view>
@@ -51,7 +52,7 @@ std::string table_bytes(vtkLookupTable& table) {
   std::string bytes;
   for (vtkIdType k = 0; k < table.GetNumberOfTableValues(); ++k)
     for (int c = 0; c < 3; ++c)
-      bytes += static_cast<char>(static_cast<unsigned char>(255 * table.GetTableValue(k)[c] + 0.5));
+      bytes += static_cast<char>(static_cast<unsigned char>(std::lround(255 * table.GetTableValue(k)[c])));
   return bytes;
 }
 

@@ -73,7 +73,8 @@ void Drawing::prepare(int first, int last, int reach) {
   first_ = first;
   framing_.clear();
   if (options_.fit == Fit::scene) {
-    framing_.assign(static_cast<std::size_t>(last - first + 1), whole_scene());
+    const int frames = last - first + 1;
+    framing_.assign(static_cast<std::size_t>(frames), whole_scene());
     return;
   }
   for (int frame = first; frame <= last; ++frame) framing_.push_back(liquid_at(frame));

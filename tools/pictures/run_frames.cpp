@@ -74,6 +74,7 @@ bool RunFrames::walls_move() const {
 
 std::vector<double> RunFrames::times() const {
   std::vector<double> times;
+  times.reserve(static_cast<std::size_t>(count_));
   for (int frame = 0; frame < count_; ++frame) times.push_back(time_of(*surface(methods_.front(), frame)));
   return times;
 }

@@ -40,7 +40,7 @@ VertexOrder vertex_order(const std::vector<std::int64_t>& last, const std::vecto
 
 /// The same triangle, from its smallest corner on.
 Triangle from_smallest(Triangle t) {
-  std::ranges::rotate(t, std::ranges::min_element(t));
+  std::rotate(t.begin(), std::ranges::min_element(t), t.end());
   return t;
 }
 
@@ -48,6 +48,7 @@ std::vector<Triangle> renumbered(const std::vector<Triangle>& triangles, const s
   std::vector<int> number(source.size());
   for (std::size_t v = 0; v < source.size(); ++v) number[source[v]] = static_cast<int>(v);
   std::vector<Triangle> result;
+  result.reserve(triangles.size());
   for (const Triangle& t : triangles)
     result.push_back(from_smallest({number[t[0]], number[t[1]], number[t[2]]}));
   return result;
