@@ -72,8 +72,20 @@ vtkSmartPointer<vtkActor> surface_actor(vtkPolyData& surface, const PictureStyle
   look.SetDiffuse(0.75);
   look.SetSpecular(0.15);
   look.SetSpecularPower(40);
-  look.SetEdgeVisibility(style.edges);
-  look.SetEdgeColor(0.25, 0.25, 0.3);
+  return actor;
+}
+
+/// Of the triangles: as an actor of their own, for what VTK adds to a surface that shows its edges drops the
+/// checker's coordinates.
+vtkSmartPointer<vtkActor> edge_actor(vtkPolyData& surface) {
+  auto actor = make_actor(surface);
+  actor->GetMapper()->ScalarVisibilityOff();
+  actor->GetMapper()->SetResolveCoincidentTopologyToPolygonOffset();
+  vtkProperty& look = *actor->GetProperty();
+  look.SetRepresentationToWireframe();
+  look.SetColor(0.25, 0.25, 0.3);
+  look.SetLineWidth(kSamples);
+  look.LightingOff();
   return actor;
 }
 
@@ -168,6 +180,7 @@ void fill_panel(vtkRenderer& renderer, vtkPolyData& surface, const Walls& walls,
                 const PictureStyle& style) {
   renderer.SetBackground(1, 1, 1);
   renderer.AddActor(surface_actor(surface, style));
+  if (style.edges) renderer.AddActor(edge_actor(surface));
   add_walls(renderer, walls);
   add_lights(renderer);
   aim(renderer, framing, style);

@@ -77,6 +77,24 @@ TEST_F(Picture, CheckerIsEvaluatedForEveryPixel) {
   EXPECT_GT(right_ones, 80000);
 }
 
+TEST_F(Picture, EdgesLeaveTheCheckerAsItIs) {
+  PictureStyle style{.panel_width = 400, .panel_height = 400, .view = {Vec3(0, 0, 1), Vec3(0, 1, 0)}};
+  const auto without = drawn(style);
+  style.edges = true;
+  const auto with = drawn(style);
+  int lines = 0, other_cubes = 0;
+  for (int y = 0; y < 365; ++y)
+    for (int x = 0; x < 400; ++x) {
+      lines += (is_blue(*without, x, y) || is_cream(*without, x, y)) && !is_blue(*with, x, y) &&
+               !is_cream(*with, x, y);
+      other_cubes +=
+          is_blue(*without, x, y) ? is_cream(*with, x, y) : is_cream(*without, x, y) && is_blue(*with, x, y);
+    }
+  EXPECT_GT(lines, 100) << "the diagonal";
+  EXPECT_LT(lines, 4000);
+  EXPECT_EQ(other_cubes, 0);
+}
+
 TEST_F(Picture, TheBarIsBelowAndMovesNothing) {
   PictureStyle style{.panel_width = 400, .panel_height = 400, .view = {Vec3(0, 0, 1), Vec3(0, 1, 0)}};
   const auto checker = drawn(style);
