@@ -141,7 +141,7 @@ Emitter read_emitter(TomlTable t, Fluids& fluids) {
   emitter.fluid = fluids.read(t);
   t.finish();
   try {
-    check_emitter(emitter, fluids.options.spacing, 1 + fluids.options.more_viscosities.size());
+    check_emitter(emitter, fluids.options.spacing, fluids.options.fluids());
   } catch (const InvalidInput& error) {
     throw InvalidInput(t.where(), error.what());
   }

@@ -124,7 +124,7 @@ Emitters::Emitters(const FluidOptions& options) : spacing_(options.spacing) {
   for (const Emitter& emitter : options.emitters) {
     nozzles_.push_back({emitter, emitter_layer(emitter, spacing_)});
     nozzles_.back().turns = std::holds_alternative<DiscMouth>(emitter.mouth) &&
-                            is_thick(viscosity_of(emitter.fluid, options), options);
+                            is_thick(options.viscosity(emitter.fluid), options);
   }
 }
 

@@ -154,7 +154,7 @@ FluidSolver::FluidSolver(const FluidOptions& options, std::span<const Vec3> posi
                          std::span<const Vec3> velocity, std::span<const SolidWall> walls,
                          std::span<const std::uint8_t> fluid, std::span<const int> source) {
   check_options(options);
-  check_start(position, velocity, fluid, 1 + options.more_viscosities.size(), source, walls);
+  check_start(position, velocity, fluid, options.fluids(), source, walls);
   state_ = std::make_unique<State>(
       options, Walls(wall_bodies(walls, options.spacing), static_cast<float>(options.spacing)));
   state_->particles = particles_at_start(position, velocity, fluid, source);

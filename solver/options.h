@@ -59,6 +59,12 @@ struct FluidOptions {
   int max_pressure_iterations = 100;
   double viscosity_tolerance = 1e-2;  ///< of the velocities' error, at which viscosity stops: viscosity.h [1]
   int max_viscosity_iterations = 100;
+
+  std::size_t fluids() const { return 1 + more_viscosities.size(); }
+  /// Kinematic, of fluid 0, 1, ... [m2/s].
+  double viscosity(std::size_t fluid) const {
+    return fluid == 0 ? kinematic_viscosity : more_viscosities[fluid - 1];
+  }
 };
 
 }  // namespace kappaflow

@@ -32,12 +32,11 @@ void check_options(const FluidOptions& o) {
   require_positive(o.density, "density");
   require_not_negative(o.kinematic_viscosity, "kinematic_viscosity");
   require_fluid(o.slip_length >= 0, fmt::format("slip_length = {}; must be 0 or greater", o.slip_length));
-  require_fluid(o.more_viscosities.size() < 256,
-                fmt::format("{} fluids; allowed: 256", 1 + o.more_viscosities.size()));
+  require_fluid(o.fluids() <= 256, fmt::format("{} fluids; allowed: 256", o.fluids()));
   for (const double viscosity : o.more_viscosities)
     require_not_negative(viscosity, "kinematic viscosity of a further fluid");
   require_fluid(o.emitters.size() < 256, fmt::format("{} emitters; allowed: 255", o.emitters.size()));
-  for (const Emitter& emitter : o.emitters) check_emitter(emitter, o.spacing, 1 + o.more_viscosities.size());
+  for (const Emitter& emitter : o.emitters) check_emitter(emitter, o.spacing, o.fluids());
   require_not_negative(o.surface_tension, "surface_tension");
   const double capillary = capillary_time_step(o.surface_tension, o.density, o.spacing);
   require_fluid(

@@ -5,9 +5,9 @@
 namespace kappaflow {
 
 ViscousForces::ViscousForces(const FluidOptions& options)
-    : support_(static_cast<float>(2 * options.spacing)), fluids_(1 + options.more_viscosities.size()) {
-  std::vector<double> kinematic{options.kinematic_viscosity};
-  kinematic.insert(kinematic.end(), options.more_viscosities.begin(), options.more_viscosities.end());
+    : support_(static_cast<float>(2 * options.spacing)), fluids_(options.fluids()) {
+  std::vector<double> kinematic;
+  for (std::size_t fluid = 0; fluid < fluids_; ++fluid) kinematic.push_back(options.viscosity(fluid));
   const double contact = kContactDistance * options.spacing;
   for (const double viscosity : kinematic)
     wall_viscosity_.push_back(static_cast<float>(viscosity / (1 + options.slip_length / contact)));

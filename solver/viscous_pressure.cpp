@@ -28,18 +28,14 @@ Wide crowding(const Wide& q) {
 
 }  // namespace
 
-double viscosity_of(std::size_t fluid, const FluidOptions& options) {
-  return fluid == 0 ? options.kinematic_viscosity : options.more_viscosities[fluid - 1];
-}
-
 bool is_thick(double viscosity, const FluidOptions& options) {
   return viscosity * options.max_time_step >= kThick * options.spacing * options.spacing;
 }
 
 ViscousPressure::ViscousPressure(const FluidOptions& options)
     : spacing_(static_cast<float>(options.spacing)) {
-  for (std::size_t fluid = 0; fluid <= options.more_viscosities.size(); ++fluid) {
-    const double viscosity = viscosity_of(fluid, options);
+  for (std::size_t fluid = 0; fluid < options.fluids(); ++fluid) {
+    const double viscosity = options.viscosity(fluid);
     const bool thick = is_thick(viscosity, options);
     needed_ = needed_ || thick;
     const double most = kMostThick * options.spacing * options.spacing / options.max_time_step;

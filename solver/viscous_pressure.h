@@ -11,9 +11,6 @@
 
 namespace kappaflow {
 
-/// Kinematic viscosity of a fluid [m2/s].
-double viscosity_of(std::size_t fluid, const FluidOptions& options);
-
 /// Whether the momentum of liquid of this kinematic viscosity [m2/s] crosses six spacings in the longest
 /// step.
 bool is_thick(double viscosity, const FluidOptions& options);

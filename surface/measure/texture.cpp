@@ -18,7 +18,8 @@ constexpr int kPhases = 16;             // of a cube's edge, at which planes are
 constexpr double kNear = 0.25;          // distance from a plane in cubes that counts
 constexpr int kFacingPower = 8;         // of the normal's component: what faces along the axis counts
 
-// In [0, 1), the same for a cube at every call, and simple enough for shaders, see picture.cpp.
+// In [0, 1), the same for a cube at every call, and simple enough for shaders:
+// tools/pictures/cube_colour.glsl does the same.
 double cube_hash(const std::array<int, 3>& cube) {
   std::uint32_t bits = static_cast<std::uint32_t>(cube[0]) * 73856093u ^
                        static_cast<std::uint32_t>(cube[1]) * 19349663u ^

@@ -3,6 +3,7 @@
 #include "core/parallel.h"
 #include "surface/mesh/isosurface.h"
 #include "surface/remesh/edit_criteria.h"
+#include "surface/topology/disagreement.h"
 
 namespace kappaflow {
 namespace {
@@ -28,8 +29,7 @@ Vec3 smoothed(const TriangleMesh& mesh, const VertexRings& rings, int v) {
 double facing_field(std::span<const Vec3> position, std::span<const Vec3> gradient,
                     const Triangle& triangle) {
   const auto& [a, b, c] = triangle;
-  return facing(position[a], position[b], position[c],
-                -(gradient[a].normalized() + gradient[b].normalized() + gradient[c].normalized()));
+  return facing(position[a], position[b], position[c], sum_of_normals(gradient, triangle));
 }
 
 /// Puts the corners of triangles back that would face worse along the field's normals than before and than is

@@ -1,5 +1,6 @@
 #include "tools/pictures/checker_actor.h"
 
+#include <fmt/format.h>
 #include <vtkDataObject.h>
 #include <vtkFloatArray.h>
 #include <vtkNew.h>
@@ -10,7 +11,7 @@
 
 #include <string>
 
-#include "core/types.h"
+#include "tools/pictures/embedded_files.h"
 #include "tools/pictures/surface_arrays.h"
 
 namespace kappaflow {
@@ -18,17 +19,7 @@ namespace {
 
 // The solid checker of checker_colours() for every pixel: `cube` is the rest position in units of the cubes.
 // The mean over a pixel is taken of 4 x 4 points, for VTK evaluates a fragment once.
-constexpr const char* kCheckerFunctions = R"(
-in vec3 cubeVSOutput;
-vec3 cubeColour(vec3 x) {
-  ivec3 cube = ivec3(floor(x));
-  uint bits = uint(cube.x) * 73856093u ^ uint(cube.y) * 19349663u ^ uint(cube.z) * 83492791u;
-  bits = (bits ^ (bits >> 13)) * 1540483477u;
-  bits ^= bits >> 15;
-  float brightness = 1.0 - 0.22 * float(bits >> 8) / 16777216.0;
-  bool odd = ((cube.x + cube.y + cube.z) & 1) != 0;
-  return brightness * (odd ? vec3(46.0, 106.0, 168.0) : vec3(246.0, 229.0, 196.0)) / 255.0;
-}
+constexpr const char* kCheckerColour = R"(
 vec3 checkerColour() {
   vec3 right = dFdx(cubeVSOutput), up = dFdy(cubeVSOutput), sum = vec3(0.0);
   for (int i = 0; i < 4; ++i)
@@ -41,14 +32,14 @@ vec3 checkerColour() {
 /// The surface with rest positions in units of the checker's cubes, from one of their corners.
 vtkSmartPointer<vtkPolyData> with_cubes(vtkPolyData& surface) {
   vtkDataArray& rest = array_in(*surface.GetPointData(), "rest_position", 3, surface.GetNumberOfPoints());
-  const Vec3 origin(array_in(*surface.GetFieldData(), "checker_origin", 3, 1).GetTuple3(0));
-  const double edge = array_in(*surface.GetFieldData(), "checker_edge", 1, 1).GetTuple1(0);
+  const Checker checker = checker_of(surface);
   vtkNew<vtkFloatArray> cube;
   cube->SetName("cube");
   cube->SetNumberOfComponents(3);
   cube->SetNumberOfTuples(rest.GetNumberOfTuples());
   for (vtkIdType v = 0; v < rest.GetNumberOfTuples(); ++v)
-    for (int a = 0; a < 3; ++a) cube->SetComponent(v, a, (rest.GetComponent(v, a) - origin[a]) / edge);
+    for (int a = 0; a < 3; ++a)
+      cube->SetComponent(v, a, (rest.GetComponent(v, a) - checker.origin[a]) / checker.edge);
   auto result = vtkSmartPointer<vtkPolyData>::New();
   result->ShallowCopy(&surface);
   result->GetPointData()->AddArray(cube);
@@ -72,7 +63,9 @@ vtkSmartPointer<vtkActor> checker_actor(vtkPolyData& surface) {
   shader.AddVertexShaderReplacement(declare, true, append(declare, "in vec3 cube;\nout vec3 cubeVSOutput;"),
                                     false);
   shader.AddVertexShaderReplacement(implement, true, append(implement, "cubeVSOutput = cube;"), false);
-  shader.AddFragmentShaderReplacement(declare, true, append(declare, kCheckerFunctions), false);
+  shader.AddFragmentShaderReplacement(
+      declare, true, append(declare, fmt::format("in vec3 cubeVSOutput;\n{}{}", kCubeColour, kCheckerColour)),
+      false);
   shader.AddFragmentShaderReplacement(
       "//VTK::Color::Impl", true,
       append("//VTK::Color::Impl",

@@ -11,6 +11,7 @@
 
 #include "core/connectivity.h"
 #include "core/triangle_geometry.h"
+#include "tools/pictures/surface_arrays.h"
 
 namespace kappaflow {
 namespace {
@@ -21,47 +22,33 @@ constexpr double kSharp = 0.766;  // cosine between triangles of one face: 40 de
 constexpr double kStep = 1e-6;    // of the scene's size, from one hit to the next
 constexpr int kMostHits = 20;     // of a ray
 
-/// Triangles over vertices of which no two are in one place.
-std::vector<Triangle> joined_triangles(vtkPolyData& walls) {
+/// The triangles over vertices of which no two are in one place.
+std::vector<Triangle> joined(vtkPolyData& walls, std::vector<Triangle> triangles) {
   std::map<std::tuple<double, double, double>, int> vertex_at;
-  std::vector<Triangle> triangles;
-  vtkNew<vtkIdList> corners;
-  for (vtkIdType t = 0; t < walls.GetNumberOfCells(); ++t) {
-    walls.GetCellPoints(t, corners);
-    Triangle triangle{};
-    for (int c = 0; c < 3; ++c) {
-      const Vec3 x(walls.GetPoint(corners->GetId(c)));
+  for (Triangle& triangle : triangles)
+    for (int& v : triangle) {
+      const Vec3 x(walls.GetPoint(v));
       const int next = static_cast<int>(vertex_at.size());
-      triangle[static_cast<std::size_t>(c)] = vertex_at.try_emplace({x[0], x[1], x[2]}, next).first->second;
+      v = vertex_at.try_emplace({x[0], x[1], x[2]}, next).first->second;
     }
-    triangles.push_back(triangle);
-  }
   return triangles;
-}
-
-std::vector<Vec3> triangle_normals(vtkPolyData& walls) {
-  std::vector<Vec3> normals;
-  vtkNew<vtkIdList> corners;
-  for (vtkIdType t = 0; t < walls.GetNumberOfCells(); ++t) {
-    walls.GetCellPoints(t, corners);
-    std::array<Vec3, 3> x;
-    for (int c = 0; c < 3; ++c) x[static_cast<std::size_t>(c)] = Vec3(walls.GetPoint(corners->GetId(c)));
-    normals.push_back(twice_area_vector(x[0], x[1], x[2]).normalized());
-  }
-  return normals;
 }
 
 /// The face that each triangle belongs to, named by one of its triangles.
 std::vector<int> smooth_faces(vtkPolyData& walls) {
-  const std::vector<Triangle> triangles = joined_triangles(walls);
-  const std::vector<Vec3> normal = triangle_normals(walls);
+  const std::vector<Triangle> triangles = triangles_of(walls);
+  std::vector<Vec3> normal;
+  for (const auto& [a, b, c] : triangles)
+    normal.push_back(
+        twice_area_vector(Vec3(walls.GetPoint(a)), Vec3(walls.GetPoint(b)), Vec3(walls.GetPoint(c)))
+            .normalized());
   std::vector<int> face(triangles.size());
   std::iota(face.begin(), face.end(), 0);
   const auto root = [&](int t) {
     while (face[t] != t) t = face[t] = face[face[t]];
     return t;
   };
-  const EdgeSides edges(triangles);
+  const EdgeSides edges(joined(walls, triangles));
   for (std::size_t e = 0; e < edges.edges(); ++e) {
     const int first = edges.of(e).front() / 3;
     for (const int h : edges.of(e).subspan(1))
@@ -88,36 +75,49 @@ void for_each_hit(vtkStaticCellLocator& walls, Vec3 from, const Vec3& to, double
   }
 }
 
-}  // namespace
-
-std::vector<char> hiding_triangles(vtkPolyData& walls, vtkPolyData& liquid, const Vec3& from) {
-  std::vector<char> hiding(static_cast<std::size_t>(walls.GetNumberOfCells()));
+/// The share of the liquid's vertices whose way to the viewer each face stops.
+std::vector<double> stopped_by_faces(vtkStaticCellLocator& walls, const std::vector<int>& face,
+                                     vtkPolyData& liquid, double size, const Vec3& to_viewer) {
+  std::vector<int> stopped(face.size()), last_ray(face.size(), -1);
   const vtkIdType vertices = liquid.GetNumberOfPoints();
-  if (hiding.empty() || vertices == 0) return hiding;
-  vtkNew<vtkStaticCellLocator> locator;
-  locator->SetDataSet(&walls);
-  locator->BuildLocator();
-  const std::vector<int> face = smooth_faces(walls);
-  std::vector<int> stopped(hiding.size()), last_ray(hiding.size(), -1);  // by face
-  const double size = walls.GetLength() + liquid.GetLength();
   int rays = 0;
   for (vtkIdType v = 0; v < vertices; v += 1 + vertices / kRays, ++rays) {
     const Vec3 x(liquid.GetPoint(v));
-    for_each_hit(*locator, x, x + 2 * size * from.normalized(), kStep * size, [&](vtkIdType triangle) {
+    for_each_hit(walls, x, x + 2 * size * to_viewer, kStep * size, [&](vtkIdType triangle) {
       const int f = face[triangle];
       if (last_ray[f] != rays) ++stopped[f];
       last_ray[f] = rays;
     });
   }
-  for (std::size_t t = 0; t < hiding.size(); ++t) hiding[t] = stopped[face[t]] > kHidden * rays;
+  std::vector<double> share;
+  for (const int count : stopped) share.push_back(static_cast<double>(count) / rays);
+  return share;
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> hiding_triangles(vtkPolyData& walls, vtkPolyData& liquid,
+                                            std::span<const Vec3> viewers) {
+  std::vector<std::uint32_t> hiding(static_cast<std::size_t>(walls.GetNumberOfCells()));
+  if (hiding.empty() || liquid.GetNumberOfPoints() == 0) return hiding;
+  vtkNew<vtkStaticCellLocator> locator;
+  locator->SetDataSet(&walls);
+  locator->BuildLocator();
+  const std::vector<int> face = smooth_faces(walls);
+  const double size = walls.GetLength() + liquid.GetLength();
+  for (std::size_t d = 0; d < viewers.size(); ++d) {
+    const std::vector<double> share = stopped_by_faces(*locator, face, liquid, size, viewers[d].normalized());
+    for (std::size_t t = 0; t < hiding.size(); ++t)
+      hiding[t] |= static_cast<std::uint32_t>(share[face[t]] > kHidden) << d;
+  }
   return hiding;
 }
 
-vtkSmartPointer<vtkPolyData> part_of(vtkPolyData& walls, std::span<const char> flag, char value) {
+vtkSmartPointer<vtkPolyData> part_of(vtkPolyData& walls, std::span<const std::uint32_t> hiding, bool hides) {
   vtkNew<vtkCellArray> triangles;
   vtkNew<vtkIdList> corners;
   for (vtkIdType t = 0; t < walls.GetNumberOfCells(); ++t) {
-    if (flag[t] != value) continue;
+    if ((hiding[t] != 0) != hides) continue;
     walls.GetCellPoints(t, corners);
     triangles->InsertNextCell(corners);
   }

@@ -8,10 +8,9 @@
 #include <vtkPointData.h>
 #include <vtkPoints.h>
 
-#include <array>
 #include <initializer_list>
 
-#include "core/types.h"
+#include "tools/pictures/surface_arrays.h"
 
 namespace kappaflow {
 namespace {
@@ -25,7 +24,7 @@ class Regions {
     name_->SetName(names.GetName());
   }
 
-  void add(const std::array<vtkIdType, 3>& corner) {
+  void add(const Triangle& corner) {
     const auto [a, b, c] = corner;
     if (name_of(a) == name_of(b) && name_of(b) == name_of(c)) {
       add_cell({a, b, c}, name_of(a));
@@ -75,11 +74,7 @@ class Regions {
 
 vtkSmartPointer<vtkPolyData> name_regions(vtkPolyData& surface, const std::string& names) {
   Regions regions(surface, *surface.GetPointData()->GetArray(names.c_str()));
-  vtkNew<vtkIdList> corners;
-  for (vtkIdType t = 0; t < surface.GetNumberOfCells(); ++t) {
-    surface.GetCellPoints(t, corners);
-    regions.add({corners->GetId(0), corners->GetId(1), corners->GetId(2)});
-  }
+  for (const Triangle& triangle : triangles_of(surface)) regions.add(triangle);
   return regions.take();
 }
 

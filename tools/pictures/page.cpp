@@ -1,8 +1,6 @@
 #include "tools/pictures/page.h"
 
 #include <fmt/format.h>
-#include <vtkCellArray.h>
-#include <vtkNew.h>
 #include <vtk_jsoncpp.h>
 
 #include <algorithm>
@@ -17,9 +15,9 @@
 #include "surface/motion/velocity_methods.h"
 #include "tools/io/binary.h"
 #include "tools/io/files.h"
-#include "tools/pictures/hiding_walls.h"
-#include "tools/pictures/page_sources.h"
+#include "tools/pictures/embedded_files.h"
 #include "tools/pictures/page_surfaces.h"
+#include "tools/pictures/surface_arrays.h"
 #include "tools/runs/metrics.h"
 #include "tools/runs/progress.h"
 #include "tools/runs/run_folder.h"
@@ -182,21 +180,6 @@ std::vector<Vec3> viewers() {
   return directions;
 }
 
-/// Of each triangle of the walls a bit for each viewer: whether it hides the first surface from there in the
-/// first, the middle or the last frame.
-std::vector<std::uint32_t> hiding_bits(const RunFrames& frames, const std::vector<Vec3>& directions) {
-  std::vector<std::uint32_t> bits;
-  for (const int frame : std::set{0, frames.count() / 2, frames.count() - 1}) {
-    const auto walls = frames.walls(frame), liquid = frames.surface(frames.methods().front(), frame);
-    for (std::size_t d = 0; d < directions.size(); ++d) {
-      const std::vector<char> hides = hiding_triangles(*walls, *liquid, directions[d]);
-      bits.resize(hides.size());
-      for (std::size_t t = 0; t < hides.size(); ++t) bits[t] |= static_cast<std::uint32_t>(hides[t]) << d;
-    }
-  }
-  return bits;
-}
-
 std::string places_bytes(vtkPolyData& walls, const Bounds& box) {
   std::string bytes;
   for (vtkIdType v = 0; v < walls.GetNumberOfPoints(); ++v)
@@ -206,11 +189,8 @@ std::string places_bytes(vtkPolyData& walls, const Bounds& box) {
 
 std::string corner_bytes(vtkPolyData& walls) {
   std::string bytes;
-  vtkNew<vtkIdList> corners;
-  for (vtkIdType t = 0; t < walls.GetNumberOfCells(); ++t) {
-    walls.GetCellPoints(t, corners);
-    for (int c = 0; c < 3; ++c) append(bytes, static_cast<std::uint32_t>(corners->GetId(c)));
-  }
+  for (const Triangle& triangle : triangles_of(walls))
+    for (const int corner : triangle) append(bytes, static_cast<std::uint32_t>(corner));
   return bytes;
 }
 
@@ -226,7 +206,8 @@ std::string walls_elements(const RunFrames& frames, Json::Value& header) {
   json["frames"] = count;
   for (const Vec3& direction : directions) json["viewers"].append(numbers(direction));
   std::string hides;
-  for (const std::uint32_t bits : hiding_bits(frames, directions)) append(hides, bits);
+  const std::set looked_at{0, frames.count() / 2, frames.count() - 1};
+  for (const std::uint32_t bits : hiding_triangles(frames, looked_at, directions)) append(hides, bits);
   std::string elements =
       data_element("walls-corners", corner_bytes(*frames.walls(0))) + data_element("walls-hides", hides);
   for (int frame = 0; frame < count; ++frame)

@@ -1,7 +1,6 @@
 #include "tools/pictures/page_surfaces.h"
 
 #include <fmt/format.h>
-#include <vtkCellArray.h>
 #include <vtkPointData.h>
 
 #include <algorithm>
@@ -45,12 +44,6 @@ void widen(PageRanges& ranges, std::vector<ColouredArray>& fields, vtkPolyData& 
     field.lower.push_back(lower);
     field.upper.push_back(upper);
   }
-}
-
-Checker checker_of(vtkPolyData& surface) {
-  vtkFieldData& arrays = *surface.GetFieldData();
-  return {Vec3(array_in(arrays, "checker_origin", 3, 1).GetTuple3(0)),
-          array_in(arrays, "checker_edge", 1, 1).GetTuple1(0)};
 }
 
 /// The median over the frames, of that method for which it is the largest.
@@ -167,12 +160,7 @@ QuantisedSurface quantised(vtkPolyData& surface, const PageRanges& ranges) {
     const double* range = colour.table->GetTableRange();
     add_colour(result, *arrays.GetArray(colour.array.c_str()), {range[0], range[1]});
   }
-  vtkNew<vtkIdList> corners;
-  for (vtkIdType t = 0; t < surface.GetNumberOfCells(); ++t) {
-    surface.GetCellPoints(t, corners);
-    result.triangles.push_back({static_cast<int>(corners->GetId(0)), static_cast<int>(corners->GetId(1)),
-                                static_cast<int>(corners->GetId(2))});
-  }
+  result.triangles = triangles_of(surface);
   return result;
 }
 

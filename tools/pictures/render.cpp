@@ -6,9 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <functional>
-#include <span>
-#include <string_view>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -36,6 +34,11 @@ View chosen_view(const RenderOptions& options, View view) {
   return view;
 }
 
+ValueRange wider(const std::optional<ValueRange>& range, const ValueRange& other) {
+  if (!range) return other;
+  return {std::min((*range)[0], other[0]), std::max((*range)[1], other[1])};
+}
+
 /// A run's frames as they are drawn.
 class Drawing {
  public:
@@ -47,46 +50,63 @@ class Drawing {
   }
 
   const RunFrames& frames() const { return frames_; }
-  /// Fixes what is the same in frames [first, last]: colours, walls that are seen through, and the camera's
-  /// way, which sees `reach` frames ahead.
-  void prepare(int first, int last, int reach);
+  /// Fixes what is the same in frames [first, last]: colours, walls that are seen through, the camera's way.
+  void prepare(int first, int last);
+  double rate() const { return rate_; }  ///< frames a second of a film of those
   /// Draws a frame of those.
   void draw(const fs::path& file, int frame) const;
 
  private:
-  void choose_colours(int first, int last);
-  void choose_glass(int first, int last);
-  Framing liquid_at(int frame) const;
+  using Surfaces = std::vector<vtkSmartPointer<vtkPolyData>>;
+
+  Surfaces surfaces(int frame) const;
+  void choose_colours(const Surfaces& example, const std::optional<ValueRange>& found);
   Framing whole_scene() const;
 
   const RenderOptions& options_;
   RunFrames frames_;
   PictureStyle style_;
-  std::vector<char> glass_;       // an entry a triangle of the walls
-  int first_ = 0;                 // of the frames that are drawn
-  std::vector<Framing> framing_;  // of each
+  std::vector<std::uint32_t> hiding_;  // an entry a triangle of the walls
+  int first_ = 0;                      // of the frames that are drawn
+  std::vector<Framing> framing_;       // of each
+  double rate_ = 0;
 };
 
-void Drawing::prepare(int first, int last, int reach) {
-  choose_colours(first, last);
-  choose_glass(first, last);
-  first_ = first;
-  framing_.clear();
-  if (options_.fit == Fit::scene) {
-    const int frames = last - first + 1;
-    framing_.assign(static_cast<std::size_t>(frames), whole_scene());
-    return;
-  }
-  for (int frame = first; frame <= last; ++frame) framing_.push_back(liquid_at(frame));
-  framing_ = followed(framing_, reach);
+/// One a method.
+Drawing::Surfaces Drawing::surfaces(int frame) const {
+  Surfaces result;
+  for (const std::string& method : frames_.methods()) result.push_back(frames_.surface(method, frame));
+  return result;
 }
 
-/// The surfaces of all methods, but for some spray.
-Framing Drawing::liquid_at(int frame) const {
-  std::vector<vtkSmartPointer<vtkPolyData>> surfaces;
-  for (const std::string& method : frames_.methods()) surfaces.push_back(frames_.surface(method, frame));
-  const std::vector<vtkPolyData*> parts(surfaces.begin(), surfaces.end());
-  return liquid_framing(parts, style_.view);
+void Drawing::prepare(int first, int last) {
+  const bool of_numbers = options_.colour != kCheckerArray;
+  std::optional<ValueRange> found;
+  std::vector<double> times;
+  Surfaces here;
+  for (int frame = first; frame <= last; ++frame) {
+    here = surfaces(frame);
+    times.push_back(time_of(*here.front()));
+    const std::vector<vtkPolyData*> parts(here.begin(), here.end());
+    framing_.push_back(liquid_framing(parts, style_.view));
+    if (!of_numbers || options_.range) continue;
+    for (vtkPolyData* const part : parts) found = wider(found, value_range(*part, options_.colour));
+  }
+  if (of_numbers) choose_colours(here, found);
+  first_ = first;
+  rate_ = options_.frames_per_second.value_or(real_time_rate(times));
+  framing_ = options_.fit == Fit::scene ? std::vector(framing_.size(), whole_scene())
+                                        : followed(framing_, camera_reach(rate_));
+  // What hides the liquid in any of these: walls do not flicker.
+  hiding_ =
+      hiding_triangles(frames_, {first, first + (last - first) / 2, last}, std::array{style_.view.from});
+}
+
+void Drawing::choose_colours(const Surfaces& example, const std::optional<ValueRange>& found) {
+  vtkPolyData& surface = *example.front();
+  ValueRange range = options_.range ? *options_.range : *found;
+  if (!options_.range && !holds_names(surface, options_.colour)) range = rounded(range);
+  style_.colouring = colouring(surface, options_.colour, range);
 }
 
 /// Walls and first surface in the first and the last frame of the run.
@@ -99,41 +119,14 @@ Framing Drawing::whole_scene() const {
   return framing(pointers, style_.view, 0);
 }
 
-/// What hides the first surface in the first, the middle or the last frame: walls do not flicker.
-void Drawing::choose_glass(int first, int last) {
-  glass_.clear();
-  for (const int frame : {first, first + (last - first) / 2, last}) {
-    const auto here = frames_.walls(frame);
-    if (!here) continue;
-    const std::vector<char> hides =
-        hiding_triangles(*here, *frames_.surface(frames_.methods().front(), frame), style_.view.from);
-    glass_.resize(hides.size());
-    std::ranges::transform(hides, glass_, glass_.begin(), std::bit_or<char>());
-  }
-}
-
-void Drawing::choose_colours(int first, int last) {
-  if (options_.colour == kCheckerArray) return;
-  const auto example = frames_.surface(frames_.methods().front(), first);
-  ValueRange range = options_.range ? *options_.range : value_range(*example, options_.colour);
-  if (!options_.range)
-    for (int frame = first; frame <= last; ++frame)
-      for (const std::string& method : frames_.methods()) {
-        const ValueRange here = value_range(*frames_.surface(method, frame), options_.colour);
-        range = {std::min(range[0], here[0]), std::max(range[1], here[1])};
-      }
-  if (!options_.range && !holds_names(*example, options_.colour)) range = rounded(range);
-  style_.colouring = colouring(*example, options_.colour, range);
-}
-
 void Drawing::draw(const fs::path& file, int frame) const {
   std::vector<Panel> panels;
-  for (const std::string& method : frames_.methods()) {
-    const auto drawn = frames_.surface(method, frame);
-    panels.push_back({fmt::format("{},  t = {:.2f} s", method, time_of(*drawn)), drawn});
-  }
+  const Surfaces drawn = surfaces(frame);
+  for (std::size_t m = 0; m < drawn.size(); ++m)
+    panels.push_back({fmt::format("{},  t = {:.2f} s", frames_.methods()[m], time_of(*drawn[m])), drawn[m]});
   Walls around;
-  if (const auto here = frames_.walls(frame)) around = {part_of(*here, glass_, 0), part_of(*here, glass_, 1)};
+  if (const auto here = frames_.walls(frame))
+    around = {part_of(*here, hiding_, false), part_of(*here, hiding_, true)};
   draw_picture(file, panels, around, framing_[static_cast<std::size_t>(frame - first_)], style_);
 }
 
@@ -143,7 +136,7 @@ int draw_one(const RenderOptions& options, Drawing& drawing) {
   if (frame >= drawing.frames().count())
     throw InvalidInput(fmt::format("{} has frames 0 to {}, not {}", options.folder.string(),
                                    drawing.frames().count() - 1, frame));
-  drawing.prepare(frame, frame, 0);
+  drawing.prepare(frame, frame);
   drawing.draw(options.out, frame);
   return 0;
 }
@@ -159,17 +152,16 @@ int draw_all(const RenderOptions& options, const fs::path& film, Drawing& drawin
   if (options.frame) throw InvalidInput("--frame is of pictures, whose names end in .png");
   const fs::path pictures = pictures_folder(film);
   make_folder(pictures);
-  const double rate = options.frames_per_second.value_or(real_time_rate(drawing.frames().times()));
-  drawing.prepare(0, drawing.frames().count() - 1, camera_reach(rate));
+  drawing.prepare(0, drawing.frames().count() - 1);
   for (int frame = 0; frame < drawing.frames().count(); ++frame) {
     draw_status_line(fmt::format("frame {}/{}", frame, drawing.frames().count() - 1));
     drawing.draw(film_picture(pictures, frame), frame);
   }
   draw_status_line("");
   remove_pictures_from(pictures, drawing.frames().count());
-  make_film(film, pictures, drawing.frames().count(), rate);
+  make_film(film, pictures, drawing.frames().count(), drawing.rate());
   fmt::print("{}: {} frames, {:.4g} a second; each of them as a picture in {}\n", film.string(),
-             drawing.frames().count(), rate, pictures.string());
+             drawing.frames().count(), drawing.rate(), pictures.string());
   return 0;
 }
 

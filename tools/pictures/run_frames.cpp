@@ -6,11 +6,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "core/errors.h"
 #include "core/quantile.h"
 #include "tools/io/surface_file.h"
+#include "tools/pictures/hiding_walls.h"
 #include "tools/runs/run_folder.h"
 #include "tools/runs/run_record.h"
 
@@ -72,11 +74,18 @@ bool RunFrames::walls_move() const {
   return fs::exists(folder_ / boundary_file(0));
 }
 
-std::vector<double> RunFrames::times() const {
-  std::vector<double> times;
-  times.reserve(static_cast<std::size_t>(count_));
-  for (int frame = 0; frame < count_; ++frame) times.push_back(time_of(*surface(methods_.front(), frame)));
-  return times;
+std::vector<std::uint32_t> hiding_triangles(const RunFrames& frames, const std::set<int>& at,
+                                            std::span<const Vec3> viewers) {
+  std::vector<std::uint32_t> any;
+  for (const int frame : at) {
+    const auto walls = frames.walls(frame);
+    if (!walls) continue;
+    const std::vector<std::uint32_t> here =
+        hiding_triangles(*walls, *frames.surface(frames.methods().front(), frame), viewers);
+    any.resize(here.size());
+    std::ranges::transform(here, any, any.begin(), std::bit_or());
+  }
+  return any;
 }
 
 double time_of(vtkPolyData& surface) {

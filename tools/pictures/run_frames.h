@@ -5,7 +5,9 @@
 #include <vtkSmartPointer.h>
 #include <vtk_jsoncpp.h>
 
+#include <cstdint>
 #include <filesystem>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -32,7 +34,6 @@ class RunFrames {
   vtkSmartPointer<vtkPolyData> surface(const std::string& method, int frame) const;
   vtkSmartPointer<vtkPolyData> walls(int frame) const;  ///< null: there are none
   bool walls_move() const;
-  std::vector<double> times() const;  ///< of all frames [s]
 
  private:
   bool has_frame(int frame) const;
@@ -43,6 +44,10 @@ class RunFrames {
   int count_ = 0;
   vtkSmartPointer<vtkPolyData> walls_at_rest_;
 };
+
+/// hiding_triangles() of the first method's surface in any of these frames; none where there are no walls.
+std::vector<std::uint32_t> hiding_triangles(const RunFrames& frames, const std::set<int>& at,
+                                            std::span<const Vec3> viewers);
 
 /// Of a frame [s]; 0 where the file does not say.
 double time_of(vtkPolyData& surface);

@@ -1,20 +1,23 @@
-// The arrays of a surface file that pictures need.
+// What pictures need of a surface file.
 #pragma once
 
-#include <fmt/format.h>
 #include <vtkDataArray.h>
 #include <vtkFieldData.h>
+#include <vtkPolyData.h>
 
-#include "core/errors.h"
+#include <vector>
+
+#include "surface/measure/texture.h"
 
 namespace kappaflow {
 
 /// An array with so many components and at least so many tuples. Throws InvalidInput where there is none.
-inline vtkDataArray& array_in(vtkFieldData& arrays, const char* name, int components, vtkIdType tuples) {
-  vtkDataArray* const array = arrays.GetArray(name);
-  if (array == nullptr || array->GetNumberOfComponents() != components || array->GetNumberOfTuples() < tuples)
-    throw InvalidInput(fmt::format("the surface has no array \"{}\", which pictures of it need", name));
-  return *array;
-}
+vtkDataArray& array_in(vtkFieldData& arrays, const char* name, int components, vtkIdType tuples);
+
+/// Where the surface's checker has its cubes. Throws InvalidInput where the file does not say.
+Checker checker_of(vtkPolyData& surface);
+
+/// Precondition: all cells are triangles, as read_surface() makes them.
+std::vector<Triangle> triangles_of(vtkPolyData& surface);
 
 }  // namespace kappaflow

@@ -42,7 +42,7 @@ struct ShapeText {
 /// Of a fluid that is not the scene's first.
 std::string viscosity_text(std::uint8_t number, const FluidOptions& fluid) {
   if (number == 0) return "";
-  return fmt::format(", kinematic viscosity {:.4g} m2/s", fluid.more_viscosities[number - 1]);
+  return fmt::format(", kinematic viscosity {:.4g} m2/s", fluid.viscosity(number));
 }
 
 std::string emitter_line(const Emitter& emitter, const FluidOptions& fluid) {

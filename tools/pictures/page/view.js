@@ -102,7 +102,7 @@ void main() {
   gl_Position = camera * vec4(place * placeScale, 1.0);
 }`;
 
-// cubeColour() is checker_colours() of texture.h. Where a pixel lies in one cube, one point of it is enough.
+// Where a pixel lies in one cube, one point of it is enough.
 const SURFACE_FRAGMENT = `#version 300 es
 precision highp float;
 precision highp int;
@@ -112,16 +112,7 @@ uniform bool checker;
 uniform sampler2D colours;
 uniform vec3 key, side, halfway;
 out vec4 result;
-vec3 cubeColour(vec3 x) {
-  ivec3 cube = ivec3(floor(x));
-  uint bits = uint(cube.x) * 73856093u ^ uint(cube.y) * 19349663u ^ uint(cube.z) * 83492791u;
-  bits = (bits ^ (bits >> 13)) * 1540483477u;
-  bits ^= bits >> 15;
-  float brightness = 1.0 - 0.22 * float(bits >> 8) / 16777216.0;
-  bool odd = ((cube.x + cube.y + cube.z) & 1) != 0;
-  return brightness * (odd ? vec3(46.0, 106.0, 168.0) : vec3(246.0, 229.0, 196.0)) / 255.0;
-}
-vec3 checkerColour() {
+${CUBE_COLOUR}vec3 checkerColour() {
   vec3 right = dFdx(cube), up = dFdy(cube), reach = 0.5 * (abs(right) + abs(up));
   if (floor(cube - reach) == floor(cube + reach)) return cubeColour(cube);
   vec3 sum = vec3(0.0);
