@@ -9,6 +9,17 @@
 
 namespace kappaflow {
 
+namespace {
+
+std::vector<Vec3> field_normals(const Field& field, std::span<const Vec3> position) {
+  std::vector<Vec3> normal(position.size());
+  std::ranges::transform(position, normal.begin(),
+                         [&](const Vec3& x) -> Vec3 { return -field.value_and_gradient(x).g.normalized(); });
+  return normal;
+}
+
+}  // namespace
+
 FrameWriter::FrameWriter(const FrameSource& source, const OutputDescription& output,
                          std::vector<std::string> methods, std::vector<MeshFormat> formats, RunFolder& folder)
     : output_(output),
@@ -20,7 +31,7 @@ FrameWriter::FrameWriter(const FrameSource& source, const OutputDescription& out
   const TriangleMesh& mesh = surfaces_.mesh();
   first_ = {static_cast<std::int64_t>(mesh.vertex_count()), mesh.vertex_count()};
   initial_box_ = bounding_box(mesh.rest_position);
-  checker_ = checker_beside(mesh.rest_position, surfaces_.state().normal,
+  checker_ = checker_beside(mesh.position, field_normals(surfaces_.field(), mesh.position),
                             output.checker_size * surfaces_.field_options().sigma);
   last_frame_.assign(methods_.size(), {mesh.next_id, mesh.vertex_count()});
   if (const std::vector<TriangleSurface> walls = source.walls_at_rest(); !walls.empty())
