@@ -38,6 +38,7 @@ std::vector<Triangle> joined(vtkPolyData& walls, std::vector<Triangle> triangles
 std::vector<int> smooth_faces(vtkPolyData& walls) {
   const std::vector<Triangle> triangles = triangles_of(walls);
   std::vector<Vec3> normal;
+  normal.reserve(triangles.size());
   for (const auto& [a, b, c] : triangles)
     normal.push_back(
         twice_area_vector(Vec3(walls.GetPoint(a)), Vec3(walls.GetPoint(b)), Vec3(walls.GetPoint(c)))
@@ -90,6 +91,7 @@ std::vector<double> stopped_by_faces(vtkStaticCellLocator& walls, const std::vec
     });
   }
   std::vector<double> share;
+  share.reserve(stopped.size());
   for (const int count : stopped) share.push_back(static_cast<double>(count) / rays);
   return share;
 }
