@@ -171,12 +171,13 @@ void check_same_array(const char* what, const std::string& first_name, const std
                                  missing ? first_name : name));
 }
 
-Survey survey(const std::vector<fs::path>& files) {
+Survey survey(InputFrames& frames) {
   Survey found;
-  InputFrame before;
-  for (const fs::path& file : files) {
-    InputFrame frame = read_input_frame(file);
-    const bool is_first = found.time.empty();
+  const auto files = frames.files();
+  for (std::size_t k = 0; k < files.size(); ++k) {
+    const fs::path& file = files[k];
+    const InputFrame& frame = frames[k];
+    const bool is_first = k == 0;
     if (is_first) found.id_name = frame.id_name, found.velocity_name = frame.velocity_name;
     check_same_array("ids", found.id_name, frame.id_name, files.front(), file);
     check_same_array("velocities", found.velocity_name, frame.velocity_name, files.front(), file);
@@ -192,16 +193,15 @@ Survey survey(const std::vector<fs::path>& files) {
       found.repeated = fmt::format("{} has several particles with the id {}", file.string(), *id);
     if (found.coincident.empty()) found.coincident = coincidence_note(frame, file);
     if (!is_first && found.repeated.empty() && !frame.id.empty()) {
+      const InputFrame& before = frames[k - 1];
       const auto pairs = pairs_by_id(before, frame);
       if (!frame.velocity.empty()) found.displacements.add(before, frame, pairs);
-      if (found.wrong_ids.empty())
-        found.wrong_ids = wrong_ids(before, frame, pairs, files[found.time.size() - 1], file);
+      if (found.wrong_ids.empty()) found.wrong_ids = wrong_ids(before, frame, pairs, files[k - 1], file);
     }
     found.time.push_back(frame.time);
     found.particles.push_back(frame.position.size());
     found.left_out += frame.left_out;
     add_to(found.hash, frame);
-    before = std::move(frame);
   }
   return found;
 }
@@ -298,8 +298,8 @@ Coincidence coincident_particles(std::span<const Vec3> position) {
 }
 
 ParticleSequence::ParticleSequence(FileSeries series, std::optional<double> frames_per_second)
-    : series_(std::move(series)) {
-  const Survey found = survey(series_.files);
+    : series_(std::move(series)), inputs_(series_.files) {
+  const Survey found = survey(inputs_);
   if (!found.time.front() && !series_.gap.empty())
     throw InvalidInput(fmt::format("{}; files without times must be equally far apart", series_.gap));
   hash_ = found.hash.text();
@@ -327,15 +327,8 @@ ParticleSequence::ParticleSequence(FileSeries series, std::optional<double> fram
     notes_.push_back(*note);
 }
 
-const InputFrame& ParticleSequence::input(std::size_t frame) {
-  if (const auto found = inputs_.find(frame); found != inputs_.end()) return found->second;
-  constexpr std::size_t kKept = 3;
-  if (inputs_.size() == kKept) inputs_.erase(inputs_.begin());
-  return inputs_.emplace(frame, read_input_frame(file(frame))).first->second;
-}
-
 ParticleFrame ParticleSequence::frame(std::size_t frame) {
-  const InputFrame& now = input(frame);
+  const InputFrame& now = inputs_[frame];
   std::vector<std::size_t> order(now.position.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   if (matched_) order = order_by_id(now.id);
@@ -360,7 +353,7 @@ void ParticleSequence::estimate_velocities(std::size_t frame, Particles& particl
   std::vector<std::vector<double>> times(particles.size());
   std::vector<std::vector<Vec3>> places(particles.size());
   for (std::size_t k = first; k < first + window; ++k) {
-    const InputFrame& near = input(k);
+    const InputFrame& near = inputs_[k];
     const std::vector<std::size_t> order = order_by_id(near.id);
     for (std::size_t i = 0, j = 0; i < particles.size() && j < order.size();) {
       const std::int64_t id = particles.id[i], other = near.id[order[j]];

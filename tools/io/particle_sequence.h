@@ -2,14 +2,13 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "tools/io/file_series.h"
-#include "tools/io/input_frame.h"
+#include "tools/io/input_frames.h"
 #include "tools/io/particle_frame.h"
 
 namespace kappaflow {
@@ -21,7 +20,7 @@ struct Coincidence {
 };
 Coincidence coincident_particles(std::span<const Vec3> position);
 
-/// A series of particle files, checked when it is opened and read again frame by frame.
+/// A series of particle files, checked when it is opened and then given frame by frame.
 class ParticleSequence {
  public:
   /// What is known about the particles' velocities.
@@ -31,9 +30,10 @@ class ParticleSequence {
     unknown,    ///< there are neither velocities nor usable ids: the frames are point clouds
   };
 
-  /// Reads every file once. frames_per_second: where the files hold no times; the first one is then at 0 s.
-  /// Throws what read_input_frame() throws, and InvalidInput where a file lacks an array that the first one
-  /// has, times do not ascend, there are no times at all, or a file seems to be missing.
+  /// Reads every file, and keeps what it has read as InputFrames does. frames_per_second: where the files
+  /// hold no times; the first one is then at 0 s. Throws what read_input_frame() throws, and InvalidInput
+  /// where a file lacks an array that the first one has, times do not ascend, there are no times at all, or a
+  /// file seems to be missing.
   ParticleSequence(FileSeries series, std::optional<double> frames_per_second);
 
   const std::string& name() const { return series_.name; }
@@ -56,7 +56,6 @@ class ParticleSequence {
   ParticleFrame frame(std::size_t frame);
 
  private:
-  const InputFrame& input(std::size_t frame);
   void estimate_velocities(std::size_t frame, Particles& particles);
 
   FileSeries series_;
@@ -66,7 +65,7 @@ class ParticleSequence {
   Velocity velocity_ = Velocity::unknown;
   std::vector<std::string> notes_;
   std::string hash_;
-  std::map<std::size_t, InputFrame> inputs_;  // those read last
+  InputFrames inputs_;
 };
 
 }  // namespace kappaflow

@@ -1,0 +1,35 @@
+#include "tools/io/input_frames.h"
+
+#include <utility>
+
+namespace kappaflow {
+namespace {
+
+template <class... T>
+std::size_t bytes_of(const std::vector<T>&... array) {
+  return ((array.size() * sizeof(T)) + ...);
+}
+
+std::size_t bytes_of(const InputFrame& frame) {
+  return bytes_of(frame.position, frame.id, frame.velocity, frame.density, frame.pressure, frame.source);
+}
+
+}  // namespace
+
+InputFrames::InputFrames(std::vector<std::filesystem::path> files, std::size_t limit)
+    : files_(std::move(files)), room_(limit) {}
+
+const InputFrame& InputFrames::operator[](std::size_t frame) {
+  for (auto* frames : {&kept_, &last_})
+    if (const auto found = frames->find(frame); found != frames->end()) return found->second;
+  InputFrame read = read_input_frame(files_[frame]);
+  const std::size_t bytes = bytes_of(read);
+  if (bytes <= room_) {
+    room_ -= bytes;
+    return kept_.emplace(frame, std::move(read)).first->second;
+  }
+  if (last_.size() == kWindow) last_.erase(last_.begin());
+  return last_.emplace(frame, std::move(read)).first->second;
+}
+
+}  // namespace kappaflow

@@ -1,0 +1,38 @@
+// The frames of a series of particle files: the first ones stay in memory, as many as fit.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <map>
+#include <span>
+#include <vector>
+
+#include "tools/io/input_frame.h"
+
+namespace kappaflow {
+
+/// Reads frames when they are asked for. The first to be read stay in memory, up to a limit; of the others
+/// only those read last do. So who goes through a series twice, to check it and to use it, reads each file
+/// once where the series fits.
+class InputFrames {
+ public:
+  static constexpr std::size_t kMostBytes = std::size_t{512} << 20;
+  static constexpr std::size_t kWindow = 3;
+
+  /// limit: for the frames that stay [bytes].
+  explicit InputFrames(std::vector<std::filesystem::path> files, std::size_t limit = kMostBytes);
+
+  std::size_t size() const { return files_.size(); }
+  std::span<const std::filesystem::path> files() const { return files_; }
+
+  /// The frame, valid until kWindow others have been asked for. Throws what read_input_frame() throws.
+  const InputFrame& operator[](std::size_t frame);
+
+ private:
+  std::vector<std::filesystem::path> files_;
+  std::size_t room_;                        // left for frames that stay [bytes]
+  std::map<std::size_t, InputFrame> kept_;  // for good
+  std::map<std::size_t, InputFrame> last_;  // those read last, at most kWindow
+};
+
+}  // namespace kappaflow
