@@ -77,13 +77,18 @@ struct SurfaceDescription : SurfaceOptions {
   int stride = 1;  ///< solver steps per tracker step; a frame always ends one
 };
 
+inline constexpr double kFinestEdge = 0.05, kCoarsestEdge = 2;  ///< SurfaceOptions::edge_length
+
 struct OutputDescription {
   double frames_per_second = 25;
   Vec3 report_axis{0, 0, 1};  ///< axis of rotation_captured, normalised
   double checker_size = 2.5;  ///< edge of a checker cube in units of sigma
   TextureProjection texture = TextureProjection::box;
   int checkpoint_interval = 1;  ///< frames from one checkpoint to the next
-  View view;                    ///< of pictures
+  /// Frames from one whose surfaces are judged (SurfaceJudgement, and material tracers) to the next; 0: none.
+  int metrics_interval = 1;
+  int rest_interval = 0;  ///< see RestPair; 0: no such arrays
+  View view;              ///< of pictures
 };
 
 struct Scene {

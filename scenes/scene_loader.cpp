@@ -308,7 +308,8 @@ void read_surface(TomlTable t, SurfaceDescription& surface) {
   surface.sigma = t.number("sigma", {1.2, 6, false, "spacings"}, surface.sigma);
   surface.weights = t.choice("weights", kWeights, std::optional(surface.weights));
   surface.threshold = t.number_or("auto", "threshold", positive("", 100), surface.threshold);
-  surface.edge_length = t.number("edge_length", {0.05, 2, false, "sigma"}, surface.edge_length);
+  surface.edge_length =
+      t.number("edge_length", {kFinestEdge, kCoarsestEdge, false, "sigma"}, surface.edge_length);
   surface.methods = t.names("methods", methods, surface.methods);
   surface.stride = t.integer("stride", 1, kMaxIterations, surface.stride);
   surface.remesh = t.flag("remesh", surface.remesh);
@@ -318,16 +319,15 @@ void read_surface(TomlTable t, SurfaceDescription& surface) {
 }
 
 void read_output(TomlTable t, double duration, const Vec3& gravity, OutputDescription& output) {
-  static constexpr Named<TextureProjection> kProjections[] = {{"planar", TextureProjection::planar},
-                                                              {"spherical", TextureProjection::spherical},
-                                                              {"box", TextureProjection::box}};
   output.frames_per_second =
       t.number("frames_per_second", positive("1/s", kMaxFrames), output.frames_per_second);
   output.report_axis = t.vector("report_axis", "", output.report_axis);
   output.checker_size = t.number("checker_size", positive("sigma", 1e3), output.checker_size);
-  output.texture = t.choice("texture", kProjections, std::optional(output.texture));
+  output.texture = t.choice("texture", kTextureProjections, std::optional(output.texture));
   output.checkpoint_interval =
       t.integer("checkpoint_interval", 1, kMaxIterations, output.checkpoint_interval);
+  output.metrics_interval = t.integer("metrics_interval", 0, kMaxIterations, output.metrics_interval);
+  output.rest_interval = t.integer("rest_interval", 0, kMaxIterations, output.rest_interval);
   const bool falls = gravity.norm() > 0;
   output.view = view_with(t.vector("view_up", "", falls ? Vec3(Vec3::Zero() - gravity) : View{}.up));
   output.view.from = t.vector("view_from", "", output.view.from);

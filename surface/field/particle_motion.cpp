@@ -15,6 +15,14 @@ void check(const ParticleFieldOptions& options) {
     throw InvalidInput(fmt::format("the field's threshold is {}; it must be positive", options.threshold));
 }
 
+std::vector<double> weights_of(const Particles& particles, const ParticleFieldOptions& options) {
+  return field_weights(particles.position, options.sigma, options.weights, particles.scale);
+}
+
+double scale_of(const Particles& particles, std::size_t i) {
+  return particles.scale.empty() ? 1 : particles.scale[i];
+}
+
 }  // namespace
 
 ParticleMotion::ParticleMotion(const Particles& at_t0, const Particles& at_t1,
@@ -30,8 +38,7 @@ ParticleMotion::ParticleMotion(const Particles& at_t0, const Particles& at_t1,
 }
 
 void ParticleMotion::pair_by_id(const Particles& at_t0, const Particles& at_t1) {
-  const std::vector<double> weight_t0 = field_weights(at_t0.position, options_.sigma, options_.weights);
-  const std::vector<double> weight_t1 = field_weights(at_t1.position, options_.sigma, options_.weights);
+  const std::vector<double> weight_t0 = weights_of(at_t0, options_), weight_t1 = weights_of(at_t1, options_);
   const double dt = t1_ - t0_;
   paths_.reserve(std::max(at_t0.size(), at_t1.size()));
   for (std::size_t i = 0, j = 0; i < at_t0.size() || j < at_t1.size();) {
@@ -44,6 +51,7 @@ void ParticleMotion::pair_by_id(const Particles& at_t0, const Particles& at_t1) 
       path.position_t0 = path.position_t1 - dt * path.velocity_t1, path.velocity_t0 = path.velocity_t1;
     if (!in_t1)
       path.position_t1 = path.position_t0 + dt * path.velocity_t0, path.velocity_t1 = path.velocity_t0;
+    path.sigma = options_.sigma * (in_t0 ? scale_of(at_t0, i) : scale_of(at_t1, j));
     path.weight_t0 = in_t0 ? weight_t0[i++] : 0;
     path.weight_t1 = in_t1 ? weight_t1[j++] : 0;
     paths_.push_back(path);
@@ -57,7 +65,7 @@ FieldParticles ParticleMotion::particles_at(double t) const {
   const double dh01 = 6 * s * (1 - s), dh10 = (1 - s) * (1 - 3 * s), dh11 = s * (3 * s - 2);
   FieldParticles p{.position = std::vector<Vec3>(n),
                    .velocity = std::vector<Vec3>(n),
-                   .sigma = std::vector<double>(n, options_.sigma),
+                   .sigma = std::vector<double>(n),
                    .weight = std::vector<double>(n),
                    .weight_rate = std::vector<double>(n),
                    .cloud_speed = options_.cloud_speed};
@@ -66,6 +74,7 @@ FieldParticles ParticleMotion::particles_at(double t) const {
     const Vec3 moved = path.position_t1 - path.position_t0;
     p.position[i] = path.position_t0 + h01 * moved + dt * (h10 * path.velocity_t0 + h11 * path.velocity_t1);
     p.velocity[i] = dh01 / dt * moved + dh10 * path.velocity_t0 + dh11 * path.velocity_t1;
+    p.sigma[i] = path.sigma;
     p.weight[i] = (1 - s) * path.weight_t0 + s * path.weight_t1;
     p.weight_rate[i] = (path.weight_t1 - path.weight_t0) / dt;
   });
@@ -98,8 +107,8 @@ std::shared_ptr<const ParticleField> particle_field(const Particles& particles,
   const std::size_t n = particles.size();
   FieldParticles p{.position = particles.position,
                    .velocity = particles.velocity,
-                   .sigma = std::vector<double>(n, options.sigma),
-                   .weight = field_weights(particles.position, options.sigma, options.weights),
+                   .sigma = support_radii(n, options.sigma, particles.scale),
+                   .weight = weights_of(particles, options),
                    .weight_rate = std::vector<double>(n, 0.0),
                    .cloud_speed = options.cloud_speed};
   return std::make_shared<ParticleField>(p, options.threshold, particles.time);

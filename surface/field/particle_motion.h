@@ -9,7 +9,7 @@ namespace kappaflow {
 
 /// How particles become a field.
 struct ParticleFieldOptions {
-  double sigma = 0;                          ///< support radius [m], > 0
+  double sigma = 0;                          ///< support radius of particles of scale 1 [m], > 0
   WeightRule weights = WeightRule::uniform;  ///< see WeightRule
   double threshold = 0;                      ///< T of Eq. 12 [-], > 0
   double cloud_speed = 0;                    ///< see FieldParticles
@@ -18,8 +18,9 @@ struct ParticleFieldOptions {
 /// Eq. 12 on [t0, t1]. Particles are paired by id; x_i(t) is the cubic Hermite interpolant of positions and
 /// velocities at both ends and v_i(t) its derivative; weights are linear in time, and their rate is part of
 /// the field's time derivatives. A particle that is present at one end only moves with its velocity there
-/// while its weight ramps linearly to (or from) zero. Particles of which none is present at both ends, all at
-/// rest (a point cloud), give the mean of the two fields weighted by time: f_t = (f_1 - f_0)/(t1 - t0).
+/// while its weight ramps linearly to (or from) zero. Its scale is that at t0. Particles of which none is
+/// present at both ends, all at rest (a point cloud), give the mean of the two fields weighted by time: f_t =
+/// (f_1 - f_0)/(t1 - t0).
 class ParticleMotion final : public FieldMotion {
  public:
   /// Throws InvalidInput unless at_t0.time < at_t1.time, both pass check_particles(), and sigma and threshold
@@ -39,6 +40,7 @@ class ParticleMotion final : public FieldMotion {
   struct Path {
     Vec3 position_t0, position_t1, velocity_t0, velocity_t1;
     double weight_t0, weight_t1;
+    double sigma;
   };
 
   void pair_by_id(const Particles& at_t0, const Particles& at_t1);

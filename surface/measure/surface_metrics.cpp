@@ -18,16 +18,16 @@ constexpr double kSmallestAngle = 15, kLargestAngle = 140;  // of a triangle in 
 
 /// The largest distance between a fresh isosurface and a mesh, each way [sigma]; 0 where one is empty.
 void measure_distances(const Field& field, const TriangleMesh& isosurface, const TriangleMesh& mesh,
-                       SurfaceMetrics& metrics) {
+                       SurfaceJudgement& judgement) {
   if (isosurface.triangles.empty() || mesh.triangles.empty()) return;
   const double sigma = field.length_scale();
   const SolidDistance to_mesh(TriangleSurface{mesh.position, mesh.triangles}),
       to_isosurface(TriangleSurface{isosurface.position, isosurface.triangles});
-  metrics.surface_without_mesh = parallel_max(isosurface.vertex_count(), 0.0, [&](std::size_t v) {
+  judgement.surface_without_mesh = parallel_max(isosurface.vertex_count(), 0.0, [&](std::size_t v) {
     return std::abs(to_mesh.nearest(isosurface.position[v]).distance) / sigma;
   });
   // The isosurface's chords are off f = 0, and a projection may miss the nearest point or fail.
-  metrics.mesh_without_surface = parallel_max(mesh.triangles.size(), 0.0, [&](std::size_t t) {
+  judgement.mesh_without_surface = parallel_max(mesh.triangles.size(), 0.0, [&](std::size_t t) {
     const auto& [a, b, c] = mesh.triangles[t];
     const Vec3 centroid = (mesh.position[a] + mesh.position[b] + mesh.position[c]) / 3;
     const Projected projected = project(field, centroid, {});
@@ -56,8 +56,8 @@ double surface_residual(const Field& field, const TriangleMesh& mesh) {
   return parallel_max(mesh.vertex_count(), 0.0, residual);
 }
 
-SurfaceMetrics surface_metrics(const Field& field, const TriangleMesh& isosurface, const TriangleMesh& mesh,
-                               const SurfaceState& state, const Vec3& report_axis) {
+SurfaceMetrics surface_metrics(const Field& field, const TriangleMesh& mesh, const SurfaceState& state,
+                               const Vec3& report_axis) {
   SurfaceMetrics metrics;
   metrics.vertices = mesh.vertex_count();
   metrics.triangles = mesh.triangles.size();
@@ -71,13 +71,18 @@ SurfaceMetrics surface_metrics(const Field& field, const TriangleMesh& isosurfac
   metrics.unprojected = static_cast<std::size_t>(std::ranges::count(mesh.unprojected, char{1}));
   metrics.folded_fraction = folded_fraction(mesh.position, state.normal, mesh.triangles);
   metrics.angles_outside = angles_outside(mesh.position, mesh.triangles, kSmallestAngle, kLargestAngle);
-  metrics.self_intersections = self_intersections(mesh.position, mesh.triangles);
   metrics.texture = texture_jumps(mesh);
+  return metrics;
+}
+
+SurfaceJudgement judge_surface(const Field& field, const TriangleMesh& isosurface, const TriangleMesh& mesh) {
+  SurfaceJudgement judgement;
+  judgement.self_intersections = self_intersections(mesh.position, mesh.triangles);
   const SampledField lattice = isosurface_lattice(field, kIsosurfaceSpacing * field.length_scale());
   const TriangleMesh seen = seen_by_lattice(mesh, lattice);
-  metrics.on_lattice = mesh_topology(seen.position, seen.triangles);
-  measure_distances(field, isosurface, mesh, metrics);
-  return metrics;
+  judgement.on_lattice = mesh_topology(seen.position, seen.triangles);
+  measure_distances(field, isosurface, mesh, judgement);
+  return judgement;
 }
 
 bool SurfaceMetrics::sound(const IsosurfaceMetrics& isosurface) const {

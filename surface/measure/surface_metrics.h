@@ -25,6 +25,18 @@ struct FreshIsosurface {
 /// sigma [m].
 FreshIsosurface fresh_isosurface(const Field& field, double sigma);
 
+/// What a fresh isosurface and a search for triangles that meet say of a mesh: the numbers that cost time.
+struct SurfaceJudgement {
+  std::size_t self_intersections = 0;  ///< see self_intersections()
+  MeshTopology on_lattice;             ///< of what the fresh isosurface's lattice sees: seen_by_lattice()
+  /// Largest distance from the points of f = 0 on the edges of the fresh isosurface's lattice to the mesh
+  /// [sigma].
+  double surface_without_mesh = 0;
+  /// Largest distance from the centroids of the mesh's triangles to f = 0 or the fresh isosurface, whichever
+  /// is nearer [sigma].
+  double mesh_without_surface = 0;
+};
+
 /// Numbers of one tracked surface.
 struct SurfaceMetrics {
   std::size_t vertices = 0, triangles = 0;
@@ -36,23 +48,16 @@ struct SurfaceMetrics {
   std::optional<double> rotation_captured;  ///< of the largest piece
   std::optional<double> tracer_distance;    ///< mean distance of a vertex from its material tracer, in sigma
   MeshTopology topology;
-  MeshTopology on_lattice;             ///< of what the fresh isosurface's lattice sees: seen_by_lattice()
-  double kept_fraction = 1;            ///< share of the first mesh's vertices that are still there
-  std::size_t unprojected = 0;         ///< vertices that are not on the surface
-  double folded_fraction = 0;          ///< see folded_fraction()
-  double angles_outside = 0;           ///< share of the triangles with an angle below 15 or above 140 degrees
-  std::size_t self_intersections = 0;  ///< see self_intersections()
-  TextureJumps texture;                ///< see texture_jumps()
-  double kept_since_frame = 1;         ///< share of the last frame's vertices that are still there
-  std::size_t regions_replaced = 0;    ///< TopologyCounts::replaced since the last frame
-  std::size_t regions_refused = 0;     ///< likewise
-  std::size_t vertices_replaced = 0;   ///< TopologyCounts::vertices_lost since the last frame
-  /// Largest distance from the points of f = 0 on the edges of the fresh isosurface's lattice to the mesh
-  /// [sigma].
-  double surface_without_mesh = 0;
-  /// Largest distance from the centroids of the mesh's triangles to f = 0 or the fresh isosurface, whichever
-  /// is nearer [sigma].
-  double mesh_without_surface = 0;
+  double kept_fraction = 1;           ///< share of the first mesh's vertices that are still there
+  std::size_t unprojected = 0;        ///< vertices that are not on the surface
+  double folded_fraction = 0;         ///< see folded_fraction()
+  double angles_outside = 0;          ///< share of the triangles with an angle below 15 or above 140 degrees
+  TextureJumps texture;               ///< see texture_jumps()
+  double kept_since_frame = 1;        ///< share of the last frame's vertices that are still there
+  std::size_t regions_replaced = 0;   ///< TopologyCounts::replaced since the last frame
+  std::size_t regions_refused = 0;    ///< likewise
+  std::size_t vertices_replaced = 0;  ///< TopologyCounts::vertices_lost since the last frame
+  std::optional<SurfaceJudgement> judgement;
 
   /// Whether the mesh stands for the surface at all: every vertex on it, hardly a triangle folded over, the
   /// volume and the topology of a fresh isosurface.
@@ -66,9 +71,12 @@ inline constexpr double kSoundVolume = 0.02;  ///< largest relative difference o
 /// Field::length_scale().
 double surface_residual(const Field& field, const TriangleMesh& mesh);
 
-/// Everything that mesh and state say; tracer_distance, kept_fraction, kept_since_frame, vertices_replaced
-/// and regions_* are the caller's. isosurface: FreshIsosurface::mesh; report_axis: a unit vector.
-SurfaceMetrics surface_metrics(const Field& field, const TriangleMesh& isosurface, const TriangleMesh& mesh,
-                               const SurfaceState& state, const Vec3& report_axis);
+/// Everything that mesh and state say; judgement, tracer_distance, kept_fraction, kept_since_frame,
+/// vertices_replaced and regions_* are the caller's. report_axis: a unit vector.
+SurfaceMetrics surface_metrics(const Field& field, const TriangleMesh& mesh, const SurfaceState& state,
+                               const Vec3& report_axis);
+
+/// isosurface: FreshIsosurface::mesh of the same field.
+SurfaceJudgement judge_surface(const Field& field, const TriangleMesh& isosurface, const TriangleMesh& mesh);
 
 }  // namespace kappaflow

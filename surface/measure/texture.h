@@ -6,12 +6,17 @@
 #include <span>
 #include <vector>
 
+#include "core/named.h"
 #include "core/types.h"
 #include "surface/field/field.h"
 
 namespace kappaflow {
 
 enum class TextureProjection { planar, spherical, box };
+inline constexpr Named<TextureProjection> kTextureProjections[] = {
+    {"planar", TextureProjection::planar},
+    {"spherical", TextureProjection::spherical},
+    {"box", TextureProjection::box}};
 
 using Rgb = std::array<std::uint8_t, 3>;
 

@@ -54,14 +54,15 @@ double fast_speed(const Particles& particles) {
 
 }  // namespace
 
-ParticleFieldOptions field_options(const SurfaceOptions& options, std::span<const Vec3> first) {
+ParticleFieldOptions field_options(const SurfaceOptions& options, std::span<const Vec3> first,
+                                   std::span<const double> scale) {
   ParticleFieldOptions field;
-  field.sigma = options.sigma * (options.spacing ? *options.spacing : particle_spacing(first));
+  field.sigma = options.sigma * (options.spacing ? *options.spacing : particle_spacing(first, scale));
   field.weights = options.weights;
   field.threshold = options.threshold.value_or(0);
   if (!options.threshold) {
-    const std::vector<double> weights = field_weights(first, field.sigma, field.weights);
-    field.threshold = half_median_threshold(first, weights, field.sigma);
+    const std::vector<double> weights = field_weights(first, field.sigma, field.weights, scale);
+    field.threshold = half_median_threshold(first, weights, field.sigma, scale);
   }
   return field;
 }
@@ -74,7 +75,7 @@ TrackedSurfaces::TrackedSurfaces(Particles first, const Particles& next, const S
 
 TrackedSurfaces::TrackedSurfaces(Particles first, const Particles* next, const SurfaceOptions& options)
     : particles_(std::move(first)),
-      field_options_(kappaflow::field_options(options, particles_.position)),
+      field_options_(kappaflow::field_options(options, particles_.position, particles_.scale)),
       is_cloud_(options.is_cloud),
       motion_per_step_(options.motion_per_step),
       name_(options.name),

@@ -45,9 +45,10 @@ struct SurfaceOptions {
   std::string name = "the particles";  ///< how errors begin
 };
 
-/// The field that options ask for. first: the particles that what is not given is taken from. Throws
+/// The field that options ask for. first, scale: the particles that what is not given is taken from. Throws
 /// InvalidInput as particle_spacing() and half_median_threshold() do.
-ParticleFieldOptions field_options(const SurfaceOptions& options, std::span<const Vec3> first);
+ParticleFieldOptions field_options(const SurfaceOptions& options, std::span<const Vec3> first,
+                                   std::span<const double> scale = {});
 
 /// Follows the surface of particles through time, with one velocity method or with several side by side. All
 /// surfaces start from one mesh and see the same fields, so that differences between them are the methods'

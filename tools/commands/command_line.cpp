@@ -9,9 +9,11 @@
 #include <string>
 #include <vector>
 
+#include "core/parse_number.h"
 #include "surface/motion/velocity_methods.h"
 #include "tools/commands/command_options.h"
 #include "tools/commands/command_words.h"
+#include "tools/io/csv.h"
 
 namespace kappaflow {
 namespace {
@@ -25,13 +27,40 @@ std::string experiment_lines() {
                             "all validations of the solver: names that begin with \"validate-\"");
 }
 
+TextureProjection projection_named(std::string_view name) {
+  return std::ranges::find(kTextureProjections, name, &Named<TextureProjection>::name)->value;
+}
+
+void add_range(CLI::App& track, FileRange& range) {
+  static constexpr const char* kForm = "FIRST:LAST or FIRST:LAST:STEP, with FIRST <= LAST";
+  const auto set = [&range](const std::string& word) {
+    std::vector<double> numbers;
+    for (const std::string_view part : csv_cells(word, ':'))
+      if (const auto number = parse_number<double>(part); number && std::isfinite(*number))
+        numbers.push_back(*number);
+    const bool is_range = (numbers.size() == 2 || numbers.size() == 3) && numbers[0] <= numbers[1] &&
+                          std::ranges::count(word, ':') + 1 == std::ssize(numbers);
+    const double step = is_range && numbers.size() == 3 ? numbers[2] : 1;
+    if (!is_range || step != std::floor(step) || step < 1 || step > 1e6)
+      throw CLI::ValidationError("--frames", fmt::format("found \"{}\"; expected {}", word, kForm));
+    range = {numbers[0], numbers[1], static_cast<int>(step)};
+  };
+  track
+      .add_option_function<std::string>("--frames", set,
+                                        "Files by the numbers in their names, every STEP-th of them; of a "
+                                        ".pvd by their place in it, from 0 "
+                                        "(default: all)")
+      ->type_name("FIRST:LAST[:STEP]");
+}
+
 }  // namespace
 
 void add_track(CLI::App& app, CommandLine& line) {
   CLI::App* track = app.add_subcommand("track", "Track the surface of particles that another program wrote");
-  CLI::Option* files = track->add_option(
-      "FILES", line.track.inputs,
-      "Particles, a file a frame (.vtk, .vtp, .vtu, .bgeo, .hdf5, .csv): names or a pattern in quotes");
+  CLI::Option* files = track->add_option("FILES", line.track.inputs,
+                                         "Particles, a file a frame (.vtk, .vtp, .vtu, .bgeo, .hdf5, .csv): "
+                                         "names, a pattern in quotes, a folder, "
+                                         "or a .pvd");
   CLI::Option* resume =
       add_resume(*track, line.track.resume, "; FILES: where the particles are now, if elsewhere");
   track->add_option("--out", line.track.folder, "Folder for the results (default: out/<name of the files>)");
@@ -43,6 +72,29 @@ void add_track(CLI::App& app, CommandLine& line) {
                "Radius of a particle's field in metres (default: 2 particle spacings)");
   add_positive(*track, "--threshold", line.track.threshold,
                "Value of the field at its surface (default: half its median at the particles)");
+  add_range(*track, line.track.range);
+  track
+      ->add_option("--rest-interval", line.track.rest_interval,
+                   "Frames between resets of two rest positions to blend, rest_1 and rest_2; 0: without them "
+                   "(default: 0)")
+      ->check(whole_number(0, 1000000));
+  add_positive(*track, "--edge", line.track.edge_length,
+               "Length of the mesh's edges in metres, shorter where it is curved (default: sigma / 4, half a "
+               "particle spacing)");
+  add_positive(*track, "--checker", line.track.checker_edge,
+               "Edge of the checker's cubes in metres (default: 2.5 sigma)");
+  track
+      ->add_option_function<std::string>(
+          "--texture", [&line](const std::string& name) { line.track.texture = projection_named(name); },
+          "Projection of 2D texture coordinates: planar, spherical, box (default: box)")
+      ->type_name("NAME")
+      ->check(one_of({"planar", "spherical", "box"}));
+  track
+      ->add_option(
+          "--metrics", line.track.metrics_interval,
+          "Frames from one that is compared with a fresh isosurface and with material tracers to the "
+          "next; 0: none (default: 1)")
+      ->check(whole_number(0, 1000000));
   track
       ->add_option_function<std::string>(
           "--weights",
@@ -56,13 +108,15 @@ void add_track(CLI::App& app, CommandLine& line) {
   add_threads(*track, line.threads);
   add_force_and_quiet(*track, "run", line.track.force, line.track.quiet);
   for (const char* name :
-       {"--out", "--velocity", "--fps", "--sigma", "--threshold", "--weights", "--format", "--force"})
+       {"--out", "--velocity", "--fps", "--sigma", "--threshold", "--weights", "--frames", "--edge",
+        "--checker", "--texture", "--rest-interval", "--metrics", "--format", "--force"})
     resume->excludes(track->get_option(name));
   track->callback([files, resume] {
     if (files->empty() && resume->empty()) throw CLI::RequiredError("FILES or --resume");
   });
   track->footer(method_lines() + "\n" +
                 footer("kappaflow track 'frames/*.vtk' --velocity regional --fps 25 --out out/tracked\n"
+                       "  kappaflow track particles.pvd --frames 100:240:2 --edge 0.005 --metrics 0\n"
                        "  kappaflow track --resume out/tracked"));
 }
 

@@ -58,7 +58,7 @@ RunSummary run_all_methods(const ExperimentContext& context) {
 /// The number of frames from the start on in which the mesh is sound.
 std::size_t sound_frames(const RunSummary& run, const MethodSummary& method) {
   std::size_t n = 0;
-  while (n < run.frames.size() && method.frames[n].sound(run.frames[n].isosurface)) ++n;
+  while (n < run.frames.size() && method.frames[n].sound(run.frames[n].isosurface.value())) ++n;
   return n;
 }
 
@@ -97,7 +97,8 @@ Table method_table(const RunSummary& run) {
          both(&SurfaceMetrics::slip), both(&SurfaceMetrics::rotation_captured),
          fmt::format("{}, {}", n == 0 ? "-" : text(all[n - 1].tracer_distance), text(last.tracer_distance)),
          fmt::format("{:.3f}", last.quality.mean), fmt::format("{:.2f} %", 100 * last.folded_fraction),
-         fmt::format("{:+.2f} %", 100 * (last.size.volume / run.frames.back().isosurface.volume - 1))});
+         fmt::format("{:+.2f} %",
+                     100 * (last.size.volume / run.frames.back().isosurface.value().volume - 1))});
   }
   return table;
 }

@@ -7,7 +7,9 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <iterator>
 #include <memory>
+#include <numeric>
 #include <set>
 #include <string_view>
 #include <system_error>
@@ -15,6 +17,9 @@
 
 #include "core/errors.h"
 #include "core/parse_number.h"
+#include "core/text_scanner.h"
+#include "tools/io/input_frame.h"
+#include "tools/io/pvd_reader.h"
 
 namespace kappaflow {
 namespace {
@@ -77,13 +82,27 @@ std::string with_literal_folders(const fs::path& pattern) {
   return escaped;
 }
 
+/// The particle files in a folder.
+std::vector<std::string> files_in(const fs::path& folder) {
+  std::vector<std::string> files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+    if (entry.is_regular_file() && is_particle_file(entry.path())) files.push_back(entry.path().string());
+  if (files.empty())
+    throw InvalidInput(fmt::format("{}: there are no particle files in this folder (expected {})",
+                                   folder.string(), kParticleFileKinds));
+  std::ranges::sort(files);
+  return files;
+}
+
 std::vector<std::string> expanded(std::span<const std::string> patterns) {
   std::vector<std::string> files;
   for (const std::string& given : patterns) {
     std::error_code ignored;  // what cannot be examined is looked for as a pattern
     const std::string pattern = with_home(given);
-    if (fs::is_directory(pattern, ignored))
-      throw InvalidInput(fmt::format("{0} is a folder; name the files in it, e.g. '{0}/*.vtk'", pattern));
+    if (fs::is_directory(pattern, ignored)) {
+      std::ranges::move(files_in(pattern), std::back_inserter(files));
+      continue;
+    }
     if (fs::exists(pattern, ignored)) {  // a name, whatever characters it has
       files.push_back(pattern);
       continue;
@@ -105,6 +124,30 @@ struct VaryingNumber {
 
   double value(std::uint64_t number) const { return static_cast<double>(number) / std::pow(10, places); }
 };
+
+std::string range_text(const FileRange& range) {
+  return fmt::format("{}:{}{}", range.first, range.last,
+                     range.stride == 1 ? std::string() : fmt::format(":{}", range.stride));
+}
+
+/// What the range leaves of the items, of which number_of() gives the number. Throws InvalidInput where that
+/// is less than two.
+template <class Item, class NumberOf>
+void keep_range(std::vector<Item>& items, const FileRange& range, const NumberOf& number_of) {
+  const double first = number_of(items.front()), last = number_of(items.back());
+  std::erase_if(items, [&](const Item& item) {
+    const double number = number_of(item);
+    return number < range.first || number > range.last;
+  });
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < items.size(); i += range.stride) std::swap(items[kept++], items[i]);
+  items.resize(kept);
+  if (kept < 2)
+    throw InvalidInput(
+        fmt::format("--frames {} leaves {} of the files numbered {} to {}; a sequence takes two or "
+                    "more",
+                    range_text(range), kept == 0 ? "none" : "one", first, last));
+}
 
 [[noreturn]] void refuse_as_different(const NumberedName& a, const NumberedName& b) {
   throw InvalidInput(
@@ -203,9 +246,31 @@ std::string gap_in(const std::vector<NumberedName>& names, const VaryingNumber& 
                      names[i + 1].file.string(), names[i].file.string(), varying.value(usual));
 }
 
+/// The first part of each time that a .pvd lists.
+FileSeries listed_files(const fs::path& pvd, const FileRange& range) {
+  std::vector<PvdEntry> entries = read_pvd(pvd);
+  std::erase_if(entries, [](const PvdEntry& entry) { return entry.part != 0; });
+  if (entries.size() < 2)
+    throw InvalidInput(fmt::format("{} lists {}; a sequence takes two or more", pvd.string(),
+                                   entries.empty() ? "no file" : "one file"));
+  std::vector<std::size_t> kept(entries.size());
+  std::iota(kept.begin(), kept.end(), std::size_t{0});
+  keep_range(kept, range, [](std::size_t k) { return static_cast<double>(k); });
+  FileSeries series;
+  series.name = pvd.stem().string();
+  series.stride = range.stride;
+  for (const std::size_t k : kept) {
+    series.files.push_back(pvd.parent_path() / entries[k].file);
+    series.times.push_back(entries[k].time);
+  }
+  return series;
+}
+
 }  // namespace
 
-FileSeries file_series(std::span<const std::string> patterns) {
+FileSeries file_series(std::span<const std::string> patterns, const FileRange& range) {
+  if (patterns.size() == 1 && lower_case(fs::path(patterns[0]).extension().string()) == ".pvd")
+    return listed_files(with_home(patterns[0]), range);
   std::vector<NumberedName> names;
   for (const std::string& file : expanded(patterns)) names.push_back(numbered(file));
   if (names.size() < 2)
@@ -217,10 +282,12 @@ FileSeries file_series(std::span<const std::string> patterns) {
     if (names[i].number == names[i - 1].number)
       throw InvalidInput(
           fmt::format("{} and {} have the same number", names[i - 1].file.string(), names[i].file.string()));
+  keep_range(names, range, [&](const NumberedName& name) { return varying.value(name.number); });
   FileSeries series;
+  series.stride = range.stride;
   for (const NumberedName& name : names) series.files.push_back(name.file);
   series.name = series_name(names.front(), varying);
-  series.step = varying.value(usual_step(steps_of(names)));
+  series.step = varying.value(usual_step(steps_of(names))) / range.stride;
   series.is_decimal = varying.places > 0;
   series.gap = gap_in(names, varying);
   return series;

@@ -28,6 +28,7 @@ constexpr int kLocalTag = 0;   // PySPH: 0 local, 1 remote, 2 ghost
 using VectorNames = std::array<std::string_view, 3>;
 constexpr VectorNames kPositionNames{"x", "y", "z"};
 constexpr std::array<VectorNames, 2> kVelocityNames{{{"vx", "vy", "vz"}, {"u", "v", "w"}}};
+const std::initializer_list<std::string_view> kRadiusNames{"radius", "particle_radius", "pscale"};
 const std::initializer_list<std::string_view> kIdNames{"id", "ids", "idp", "gid", "particle_id"};
 
 /// The components of a vector: of one array, or of three.
@@ -91,6 +92,13 @@ void copy_names(const PointArray* array, const std::vector<std::size_t>& chosen,
   for (const std::size_t i : chosen) names.push_back(static_cast<int>(array->values[i]));
 }
 
+/// PySPH calls the smoothing length h, which elsewhere may be a height.
+const PointArray* find_radius(const std::vector<PointArray>& arrays) {
+  const PointArray* radius = find_array(arrays, kRadiusNames, 1);
+  if (radius == nullptr && find_array(arrays, {"gid"}, 1) != nullptr) radius = find_array(arrays, {"h"}, 1);
+  return radius;
+}
+
 /// An array that goes by the name of ids or velocities and cannot be them is a mistake, not another quantity.
 void check_components(const std::vector<PointArray>& arrays, std::initializer_list<std::string_view> names,
                       std::size_t components, const fs::path& file) {
@@ -120,6 +128,10 @@ InputFrame frame_from_points(const PointData& points, const fs::path& file) {
   copy_scalar(find_array(arrays, {"density", "rho", "rhop"}, 1), chosen, frame.density);
   copy_scalar(find_array(arrays, {"pressure", "press", "p"}, 1), chosen, frame.pressure);
   copy_names(find_array(arrays, {"source"}, 1), chosen, frame.source);
+  if (const PointArray* radius = find_radius(arrays)) {
+    frame.radius_name = radius->name;
+    for (const std::size_t i : chosen) frame.radius.push_back(radius->values[i]);
+  }
   if (const PointArray* time = find_array(points.fields, {"timevalue", "time"}, 1);
       time != nullptr && !time->values.empty())
     frame.time = time->values[0];
@@ -143,15 +155,21 @@ InputFrame frame_from_csv(const fs::path& file) {
   if (columns.empty()) table.refuse_header();
   const std::vector<std::size_t> velocity = velocity_columns(table);
   for (const std::size_t column : velocity) columns.push_back(column);
-  for (const std::string_view name : kIdNames)
-    if (const std::vector<std::size_t> id = table.find({&name, 1}); !id.empty() && frame.id_name.empty()) {
-      frame.id_name = name;
-      columns.push_back(id[0]);
-    }
+  const auto add_first = [&](std::initializer_list<std::string_view> names, std::string& found) {
+    for (const std::string_view name : names)
+      if (const std::vector<std::size_t> column = table.find({&name, 1}); !column.empty() && found.empty()) {
+        found = name;
+        columns.push_back(column[0]);
+      }
+    return columns.size() - 1;
+  };
+  const std::size_t id = add_first(kIdNames, frame.id_name),
+                    radius = add_first(kRadiusNames, frame.radius_name);
   for (const std::vector<double>& row : table.rows(columns)) {
     frame.position.emplace_back(row[0], row[1], row[2]);
     if (!velocity.empty()) frame.velocity.emplace_back(row[3], row[4], row[5]);
-    if (!frame.id_name.empty()) frame.id.push_back(whole_id(row.back(), file));
+    if (!frame.id_name.empty()) frame.id.push_back(whole_id(row[id], file));
+    if (!frame.radius_name.empty()) frame.radius.push_back(row[radius]);
   }
   if (!velocity.empty())
     frame.velocity_name = fmt::format(
@@ -186,14 +204,18 @@ void check_finite(const std::vector<Value>& values, const char* what, const Inpu
 
 }  // namespace
 
+bool is_particle_file(const fs::path& file) {
+  static constexpr std::array<std::string_view, 6> kKinds{".vtk", ".vtp", ".vtu", ".bgeo", ".hdf5", ".csv"};
+  return std::ranges::count(kKinds, lower_case(file.extension().string())) > 0;
+}
+
 InputFrame read_input_frame(const fs::path& file) {
   const std::string kind = lower_case(file.extension().string());
   if (kind == ".npz")
     throw InvalidInput({file.string()}, "is NumPy's; tools/pysph/to_vtk.py writes its particles as .vtk");
-  if (kind != ".vtk" && kind != ".vtp" && kind != ".vtu" && kind != ".bgeo" && kind != ".hdf5" &&
-      kind != ".csv")
+  if (!is_particle_file(file))
     throw InvalidInput({file.string()},
-                       "unknown kind of particle file; expected .vtk, .vtp, .vtu, .bgeo, .hdf5 or .csv");
+                       fmt::format("unknown kind of particle file; expected {}", kParticleFileKinds));
   InputFrame frame = kind == ".csv"    ? frame_from_csv(file)
                      : kind == ".bgeo" ? frame_from_points(read_bgeo(file), file)
                      : kind == ".hdf5" ? frame_from_points(read_pysph(file), file)
@@ -208,6 +230,11 @@ InputFrame read_input_frame(const fs::path& file) {
   check_finite(frame.velocity, "velocity", frame, file);
   check_finite(frame.density, "density", frame, file);
   check_finite(frame.pressure, "pressure", frame, file);
+  check_finite(frame.radius, "radius", frame, file);
+  if (const auto bad = std::ranges::find_if(frame.radius, [](double r) { return r <= 0; });
+      bad != frame.radius.end())
+    throw InvalidInput({file.string()},
+                       fmt::format("a particle has the {} {}; it must be positive", frame.radius_name, *bad));
   if (frame.time && !std::isfinite(*frame.time))
     throw InvalidInput({file.string()}, fmt::format("its time is {} s; it must be finite", *frame.time));
   return frame;

@@ -13,15 +13,16 @@ namespace kappaflow {
 
 /// One entry a particle in every array, in the file's order; arrays that the file lacks are empty.
 struct InputFrame {
-  std::vector<Vec3> position;          ///< [m], finite
-  std::vector<std::int64_t> id;        ///< as the file has them: perhaps not unique
-  std::vector<Vec3> velocity;          ///< [m/s], finite
-  std::vector<float> density;          ///< [kg/m3]
-  std::vector<float> pressure;         ///< [Pa]
-  std::vector<int> source;             ///< where it comes from
-  std::optional<double> time;          ///< [s], where the file says it
-  std::string id_name, velocity_name;  ///< what the file calls them; empty where it lacks them
-  std::size_t left_out = 0;            ///< particles of walls, and copies that belong to other processors
+  std::vector<Vec3> position;                       ///< [m], finite
+  std::vector<std::int64_t> id;                     ///< as the file has them: perhaps not unique
+  std::vector<Vec3> velocity;                       ///< [m/s], finite
+  std::vector<float> density;                       ///< [kg/m3]
+  std::vector<float> pressure;                      ///< [Pa]
+  std::vector<int> source;                          ///< where it comes from
+  std::vector<double> radius;                       ///< of each particle, > 0, by any measure
+  std::optional<double> time;                       ///< [s], where the file says it
+  std::string id_name, velocity_name, radius_name;  ///< what the file calls them; empty where it lacks them
+  std::size_t left_out = 0;  ///< particles of walls, and copies that belong to other processors
 };
 
 /// Reads, by the ending of the name,
@@ -29,12 +30,17 @@ struct InputFrame {
 ///   .vtp .vtu  VTK XML (kappaflow, PySPH)
 ///   .bgeo      Partio's, version 5 (SPlisHSPlasH): id, velocity or v, density, pressure
 ///   .hdf5      PySPH's own
-///   .csv       with the columns x, y, z, perhaps id, and perhaps vx, vy, vz (see number_table.h)
+///   .csv       with the columns x, y, z, perhaps id, vx, vy, vz and radius (see number_table.h)
 /// VTK's arrays are known by these names, in upper or lower case: id, ids, idp, gid, particle_id;
 /// velocity, vel, v (3 components) or u, v, w or vx, vy, vz; density, rho, rhop; pressure, press, p; source
-/// (only where all are whole numbers); the field array TimeValue or time. DualSPHysics' particles of walls
-/// (beside Idp a Type other than 3) are left out, as are PySPH's remote and ghost particles (tag not 0).
-/// Throws IoError (not readable, not complete), InvalidInput (no particles, a number that is not finite).
+/// (only where all are whole numbers); radius, particle_radius, pscale, and h of PySPH's; the field array
+/// TimeValue or time. DualSPHysics' particles of walls (beside Idp a Type other than 3) are left out, as are
+/// PySPH's remote and ghost particles (tag not 0). Throws IoError (not readable, not complete), InvalidInput
+/// (no particles, a number that is not finite).
 InputFrame read_input_frame(const std::filesystem::path& file);
+
+/// Whether the ending of the name is one of those.
+bool is_particle_file(const std::filesystem::path& file);
+inline constexpr const char* kParticleFileKinds = ".vtk, .vtp, .vtu, .bgeo, .hdf5 or .csv";
 
 }  // namespace kappaflow

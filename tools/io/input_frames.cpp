@@ -11,7 +11,8 @@ std::size_t bytes_of(const std::vector<T>&... array) {
 }
 
 std::size_t bytes_of(const InputFrame& frame) {
-  return bytes_of(frame.position, frame.id, frame.velocity, frame.density, frame.pressure, frame.source);
+  return bytes_of(frame.position, frame.id, frame.velocity, frame.density, frame.pressure, frame.source,
+                  frame.radius);
 }
 
 }  // namespace

@@ -44,9 +44,11 @@ std::string usual_name(const std::string& name) {
   return name;
 }
 
-double number_in(std::string_view cell, const SourcePosition& where) {
-  const std::string_view digits = without_quotes(cell);
-  const std::optional<double> number = parse_number<double>(digits);
+double number_in(std::string_view cell, bool decimal_commas, const SourcePosition& where) {
+  std::string digits(without_quotes(cell));
+  if (decimal_commas && std::ranges::count(digits, ',') == 1 && digits.find('.') == std::string::npos)
+    std::ranges::replace(digits, ',', '.');
+  const std::optional<double> number = parse_number<double>(without_plus(digits));
   if (!number || !std::isfinite(*number))
     throw InvalidInput(
         where, fmt::format("found \"{}\"; expected a finite number{}", one_line(digits, 30),
@@ -54,22 +56,82 @@ double number_in(std::string_view cell, const SourcePosition& where) {
   return *number;
 }
 
+bool is_number(std::string_view cell) {
+  std::string digits(without_quotes(cell));
+  std::ranges::replace(digits, ',', '.');
+  return parse_number<double>(without_plus(digits)).has_value();
+}
+
+/// Text that may be UTF-16 behind a byte order mark, as UTF-8 without one; what is no ASCII there becomes ?.
+std::string plain_text(std::string text) {
+  if (text.starts_with("\xEF\xBB\xBF")) return text.substr(3);
+  const bool little = text.starts_with("\xFF\xFE");
+  if (!little && !text.starts_with("\xFE\xFF")) return text;
+  std::string plain;
+  for (std::size_t i = 2; i + 1 < text.size(); i += 2) {
+    const char low = text[i + (little ? 0 : 1)], high = text[i + (little ? 1 : 0)];
+    plain += high == 0 && low >= 0 ? low : '?';
+  }
+  return plain;
+}
+
+char separator_in(std::string_view line) {
+  if (line.find(';') != std::string_view::npos) return ';';
+  if (line.find('\t') != std::string_view::npos && line.find(",\t") == std::string_view::npos) return '\t';
+  return line.find(',') == std::string_view::npos && line.find(' ') != std::string_view::npos ? ' ' : ',';
+}
+
+std::vector<std::string_view> cells_in(std::string_view line, char separator) {
+  if (separator != ' ') return csv_cells(line, separator);
+  std::vector<std::string_view> cells;
+  for (line = trimmed(line); !line.empty(); line = trimmed(line)) {
+    cells.push_back(line.substr(0, line.find_first_of(" \t")));
+    line.remove_prefix(cells.back().size());
+  }
+  return cells;
+}
+
+/// Without a unit in brackets: "Pos.x [m]" is "Pos.x".
+std::string_view without_unit(std::string_view name) {
+  return trimmed(name.substr(0, name.find_first_of("[(")));
+}
+
 }  // namespace
 
 NumberTable::NumberTable(const std::filesystem::path& file, std::string allowed)
-    : file_(file), allowed_(std::move(allowed)), text_(read_file(file)) {
-  if (text_.starts_with("\xFF\xFE") || text_.starts_with("\xFE\xFF"))
-    throw InvalidInput({file.string()},
-                       "is text in UTF-16, as Windows PowerShell's > writes it; expected UTF-8, as "
-                       "Out-File -Encoding utf8 does");
-  if (text_.starts_with("\xEF\xBB\xBF")) text_.erase(0, 3);
-  std::string_view header = trimmed(line_at(text_, body_));
-  if (header.starts_with('#')) header.remove_prefix(1);  // as NumPy's savetxt writes it
-  if (header.find(';') != std::string_view::npos) separator_ = ';';
-  for (const std::string_view cell : csv_cells(header, separator_)) {
-    names_.push_back(lower_case(without_quotes(cell)));
-    usual_names_.push_back(usual_name(names_.back()));
+    : file_(file), allowed_(std::move(allowed)), text_(plain_text(read_file(file))) {
+  read_header();
+  for (const std::string& name : names_) usual_names_.push_back(usual_name(name));
+}
+
+/// The names are in the first line that is no comment, or, where that has numbers only, in the comment above
+/// it, where NumPy's savetxt writes them.
+void NumberTable::read_header() {
+  std::string_view comment, line;
+  std::size_t at = 0, begin = 0;
+  int number = 0;
+  while (line.empty() && at < text_.size()) {
+    begin = at;
+    line = trimmed(line_at(text_, at));
+    ++number;
+    if (!line.starts_with('#')) continue;
+    comment = trimmed(line.substr(1));
+    line = {};
   }
+  separator_ = separator_in(line.empty() ? comment : line);
+  const std::vector<std::string_view> cells = cells_in(line, separator_);
+  const bool has_rows_only = line.empty() || std::ranges::all_of(cells, is_number);
+  header_ = has_rows_only ? comment : line;
+  body_ = has_rows_only ? begin : at;
+  lines_above_ = has_rows_only && !line.empty() ? number - 1 : number;
+  std::vector<std::string_view> names = cells_in(header_, separator_);
+  constexpr std::array<std::string_view, 6> kUsual{"x", "y", "z", "vx", "vy", "vz"};
+  has_names_ = line.empty() || names.size() == cells.size();
+  if (!has_names_) {
+    names.assign(cells.size(), {});
+    if (cells.size() == 3 || cells.size() == 6) names.assign(kUsual.begin(), kUsual.begin() + cells.size());
+  }
+  for (const std::string_view name : names) names_.push_back(lower_case(without_unit(without_quotes(name))));
 }
 
 std::vector<std::size_t> NumberTable::find(std::span<const std::string_view> names) const {
@@ -79,7 +141,8 @@ std::vector<std::size_t> NumberTable::find(std::span<const std::string_view> nam
     const auto at = std::ranges::find(found, name);
     if (at == found.end()) return {};
     if (std::ranges::count(found, name) > 1)
-      throw InvalidInput({file_.string(), 1}, fmt::format("several columns are \"{}\"; expected one", name));
+      throw InvalidInput({file_.string(), header_line()},
+                         fmt::format("several columns are \"{}\"; expected one", name));
     columns.push_back(at - found.begin());
   }
   return columns;
@@ -87,29 +150,36 @@ std::vector<std::size_t> NumberTable::find(std::span<const std::string_view> nam
 
 std::vector<std::vector<double>> NumberTable::rows(std::span<const std::size_t> columns) const {
   std::vector<std::vector<double>> rows;
-  SourcePosition where{file_.string(), 1, 0};
+  SourcePosition where{file_.string(), lines_above_, 0};
   for (std::size_t at = body_; at < text_.size();) {
     const std::string_view line = line_at(text_, at);
     ++where.line;
-    if (trimmed(line).empty()) continue;
-    const std::vector<std::string_view> cells = csv_cells(line, separator_);
+    if (trimmed(line).empty() || trimmed(line).starts_with('#')) continue;
+    const std::vector<std::string_view> cells = cells_in(line, separator_);
     where.column = 0;
     if (cells.size() != names_.size())
       throw InvalidInput(where, fmt::format("found {} values; expected {}", cells.size(), names_.size()));
     std::vector<double>& row = rows.emplace_back();
     for (const std::size_t column : columns) {
       where.column = static_cast<int>(cells[column].data() - line.data()) + 1;
-      row.push_back(number_in(cells[column], where));
+      row.push_back(number_in(cells[column], separator_ != ',', where));
     }
   }
   return rows;
 }
 
+int NumberTable::header_line() const {
+  return std::max(lines_above_, 1);
+}
+
 void NumberTable::refuse_header() const {
-  std::size_t begin = 0;
-  throw InvalidInput({file_.string(), 1},
-                     fmt::format("found the header \"{}\"; expected {}",
-                                 one_line(trimmed(line_at(text_, begin)), 60), allowed_));
+  const SourcePosition where{file_.string(), header_line()};
+  if (!has_names_)
+    throw InvalidInput(where,
+                       fmt::format("found {} columns without names; expected a line of names above: {}",
+                                   names_.size(), allowed_));
+  throw InvalidInput(where,
+                     fmt::format("found the header \"{}\"; expected {}", one_line(header_, 60), allowed_));
 }
 
 std::vector<std::vector<double>> read_number_table(const std::filesystem::path& file,

@@ -136,9 +136,18 @@ struct Survey {
   std::string repeated;    // where an id is used twice; empty: nowhere
   std::string wrong_ids;   // where ids do not follow the particles; empty: nowhere
   std::string coincident;  // where particles are in the places of others; empty: nowhere
-  std::string id_name, velocity_name;
+  std::string id_name, velocity_name, radius_name;
+  double radius = 0, smallest = 0, largest = 0;  // median of the first frame; range over all
   std::size_t left_out = 0;
   TextHash hash;
+
+  void add_radii(std::vector<double> radii) {
+    if (radii.empty()) return;
+    const auto [least, most] = std::ranges::minmax(radii);
+    smallest = radius > 0 ? std::min(smallest, least) : least;
+    largest = std::max(largest, most);
+    if (radius == 0) radius = upper_median(radii);
+  }
 };
 
 void add_to(TextHash& hash, const InputFrame& frame) {
@@ -150,6 +159,7 @@ void add_to(TextHash& hash, const InputFrame& frame) {
   hash.add_values(std::span(frame.density));
   hash.add_values(std::span(frame.pressure));
   hash.add_values(std::span(frame.source));
+  hash.add_values(std::span(frame.radius));
 }
 
 std::string coincidence_note(const InputFrame& frame, const fs::path& file) {
@@ -171,24 +181,31 @@ void check_same_array(const char* what, const std::string& first_name, const std
                                  missing ? first_name : name));
 }
 
-Survey survey(InputFrames& frames) {
+/// listed: times that a list of the files says; empty where the files do.
+Survey survey(InputFrames& frames, std::span<const double> listed,
+              const std::function<void(std::size_t file)>& watch) {
   Survey found;
   const auto files = frames.files();
   for (std::size_t k = 0; k < files.size(); ++k) {
+    if (watch) watch(k);
     const fs::path& file = files[k];
     const InputFrame& frame = frames[k];
     const bool is_first = k == 0;
-    if (is_first) found.id_name = frame.id_name, found.velocity_name = frame.velocity_name;
+    const std::optional<double> time = listed.empty() ? frame.time : listed[k];
+    if (is_first)
+      found.id_name = frame.id_name, found.velocity_name = frame.velocity_name,
+      found.radius_name = frame.radius_name;
     check_same_array("ids", found.id_name, frame.id_name, files.front(), file);
     check_same_array("velocities", found.velocity_name, frame.velocity_name, files.front(), file);
-    if (!is_first && frame.time.has_value() != found.time.front().has_value())
+    check_same_array("radii", found.radius_name, frame.radius_name, files.front(), file);
+    found.add_radii(frame.radius);
+    if (!is_first && time.has_value() != found.time.front().has_value())
+      throw InvalidInput({file.string()}, fmt::format("{} a time; {} {}", time ? "holds" : "lacks",
+                                                      files.front().string(), time ? "does not" : "does"));
+    if (!is_first && time && !(*time > *found.time.back()))
       throw InvalidInput({file.string()},
-                         fmt::format("{} a time; {} {}", frame.time ? "holds" : "lacks",
-                                     files.front().string(), frame.time ? "does not" : "does"));
-    if (!is_first && frame.time && !(*frame.time > *found.time.back()))
-      throw InvalidInput({file.string()},
-                         fmt::format("its time, {} s, is not after that of the file before, {} s",
-                                     *frame.time, *found.time.back()));
+                         fmt::format("its time, {} s, is not after that of the file before, {} s", *time,
+                                     *found.time.back()));
     if (const auto id = repeated_id(frame.id); id && found.repeated.empty())
       found.repeated = fmt::format("{} has several particles with the id {}", file.string(), *id);
     if (found.coincident.empty()) found.coincident = coincidence_note(frame, file);
@@ -198,7 +215,7 @@ Survey survey(InputFrames& frames) {
       if (!frame.velocity.empty()) found.displacements.add(before, frame, pairs);
       if (found.wrong_ids.empty()) found.wrong_ids = wrong_ids(before, frame, pairs, files[k - 1], file);
     }
-    found.time.push_back(frame.time);
+    found.time.push_back(time);
     found.particles.push_back(frame.position.size());
     found.left_out += frame.left_out;
     add_to(found.hash, frame);
@@ -223,6 +240,11 @@ std::vector<std::string> array_notes(const Survey& s, ParticleSequence::Velocity
   if (velocity == estimated) notes.emplace_back("no velocities: estimated from positions by id");
   if (velocity == unknown)
     notes.emplace_back("no velocities: point clouds, tracked by the change of their field");
+  if (!s.radius_name.empty())
+    notes.push_back(s.smallest == s.largest
+                        ? fmt::format("one radius (\"{}\")", s.radius_name)
+                        : fmt::format("radii \"{}\", {:.3g} to {:.3g} times the median: each its own sigma",
+                                      s.radius_name, s.smallest / s.radius, s.largest / s.radius));
   if (s.left_out > 0)
     notes.push_back(fmt::format("{} particles of walls or ghosts are left out, over all frames", s.left_out));
   return notes;
@@ -259,7 +281,7 @@ std::vector<double> frame_times(const Survey& s, std::optional<double> frames_pe
       throw InvalidInput(
           fmt::format("{}: the files hold no times; say how many frames a second they are by --fps{}",
                       series.name, rate_hint(s, series)));
-    time.push_back(s.time[k] ? *s.time[k] : static_cast<double>(k) / *frames_per_second);
+    time.push_back(s.time[k] ? *s.time[k] : static_cast<double>(k) * series.stride / *frames_per_second);
   }
   return time;
 }
@@ -297,9 +319,10 @@ Coincidence coincident_particles(std::span<const Vec3> position) {
   return found;
 }
 
-ParticleSequence::ParticleSequence(FileSeries series, std::optional<double> frames_per_second)
+ParticleSequence::ParticleSequence(FileSeries series, std::optional<double> frames_per_second,
+                                   const std::function<void(std::size_t file)>& watch)
     : series_(std::move(series)), inputs_(series_.files) {
-  const Survey found = survey(inputs_);
+  const Survey found = survey(inputs_, series_.times, watch);
   if (!found.time.front() && !series_.gap.empty())
     throw InvalidInput(fmt::format("{}; files without times must be equally far apart", series_.gap));
   hash_ = found.hash.text();
@@ -307,14 +330,16 @@ ParticleSequence::ParticleSequence(FileSeries series, std::optional<double> fram
   matched_ = !found.id_name.empty() && found.repeated.empty();
   using enum Velocity;
   velocity_ = !found.velocity_name.empty() ? given : matched_ ? estimated : unknown;
+  radius_ = found.smallest < found.largest ? found.radius : 0;
   first_id_.resize(size());
   std::exclusive_scan(found.particles.begin(), found.particles.end(), first_id_.begin(), std::size_t{0});
 
   notes_ = array_notes(found, velocity_);
   const double mean_rate = static_cast<double>(size() - 1) / (time_.back() - time_.front());
   notes_.push_back(fmt::format("times {} to {:.6g} s, {}", time_.front(), time_.back(),
-                               found.time.front() ? std::string("from the files")
-                                                  : fmt::format("{} frames a second", *frames_per_second)));
+                               !series_.times.empty() ? std::string("from the .pvd")
+                               : found.time.front()   ? std::string("from the files")
+                                                    : fmt::format("{} frames a second", *frames_per_second)));
   if (!found.time.front() && series_.step != 1)
     notes_.push_back(fmt::format("numbers go up by {:.6g}: taken as consecutive frames, {:.4g} s apart",
                                  series_.step, 1 / *frames_per_second));
@@ -337,6 +362,8 @@ ParticleFrame ParticleSequence::frame(std::size_t frame) {
                        ordered(now.pressure, order),
                        ordered(now.source, order)};
   Particles& particles = result.particles;
+  if (radius_ > 0)
+    for (const std::size_t i : order) particles.scale.push_back(now.radius[i] / radius_);
   particles.id = ordered(now.id, order);
   if (!matched_) {
     particles.id.resize(order.size());

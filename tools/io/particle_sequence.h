@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -34,8 +35,11 @@ class ParticleSequence {
   /// hold no times; the first one is then at 0 s. Throws what read_input_frame() throws, and InvalidInput
   /// where a file lacks an array that the first one has, times do not ascend, there are no times at all, or a
   /// file seems to be missing.
-  ParticleSequence(FileSeries series, std::optional<double> frames_per_second);
+  /// watch: called before each file with its number from 0.
+  ParticleSequence(FileSeries series, std::optional<double> frames_per_second,
+                   const std::function<void(std::size_t file)>& watch = {});
 
+  const FileSeries& series() const { return series_; }
   const std::string& name() const { return series_.name; }
   std::size_t size() const { return series_.files.size(); }
   const std::filesystem::path& file(std::size_t frame) const { return series_.files[frame]; }
@@ -49,10 +53,11 @@ class ParticleSequence {
   /// Of all that is read from the files, to recognise them by.
   const std::string& hash() const { return hash_; }
 
-  /// Reads a frame, sorted by id. Where particles are not matched, ids are new in every frame. Estimated
-  /// velocities are the derivative of the parabola through a particle's places in this frame and those before
-  /// and after (at the ends of the sequence: the nearest three frames), of the line where it is in two of
-  /// them; a particle that is in none but this is at rest.
+  /// Reads a frame, sorted by id. Particles::scale is the radius over the median of the first frame. Where
+  /// particles are not matched, ids are new in every frame. Estimated velocities are the derivative of the
+  /// parabola through a particle's places in this frame and those before and after (at the ends of the
+  /// sequence: the nearest three frames), of the line where it is in two of them; a particle that is in none
+  /// but this is at rest.
   ParticleFrame frame(std::size_t frame);
 
  private:
@@ -60,6 +65,7 @@ class ParticleSequence {
 
   FileSeries series_;
   std::vector<double> time_;
+  double radius_ = 0;                  // median of the first frame, in the files' measure; 0: there are none
   std::vector<std::size_t> first_id_;  // of each frame where particles are not matched
   bool matched_ = false;
   Velocity velocity_ = Velocity::unknown;

@@ -18,20 +18,15 @@
 #include "core/parse_number.h"
 #include "core/text_scanner.h"
 #include "tools/io/vtk_xml_binary.h"
+#include "tools/io/xml_attribute.h"
 
 namespace kappaflow {
 namespace {
 
 using Attributes = const XML_Char**;
 
-std::string_view attribute(Attributes attributes, std::string_view name) {
-  for (; *attributes != nullptr; attributes += 2)
-    if (attributes[0] == name) return attributes[1];
-  return {};
-}
-
 std::size_t count_in(Attributes attributes, std::string_view name, std::optional<std::size_t> fallback = {}) {
-  const std::string_view text = attribute(attributes, name);
+  const std::string_view text = xml_attribute(attributes, name);
   if (text.empty() && fallback) return *fallback;
   if (const auto count = parse_number<std::size_t>(text)) return *count;
   throw InvalidInput(fmt::format("{} is \"{}\"; expected a whole number >= 0", name, one_line(text, 30)));
@@ -43,7 +38,7 @@ NumberType type_in(Attributes attributes) {
       {"UInt16", NumberType::uint16},  {"Int32", NumberType::int32},   {"UInt32", NumberType::uint32},
       {"Int64", NumberType::int64},    {"UInt64", NumberType::uint64}, {"Float32", NumberType::float32},
       {"Float64", NumberType::float64}};
-  const std::string_view name = attribute(attributes, "type");
+  const std::string_view name = xml_attribute(attributes, "type");
   for (const auto& known : kTypes)
     if (known.name == name) return known.value;
   throw InvalidInput(fmt::format("\"{}\" is no type of numbers", one_line(name, 30)));
@@ -98,12 +93,13 @@ class Reader {
 
  private:
   void begin_file(Attributes attributes) {
-    const std::string_view type = attribute(attributes, "type"), order = attribute(attributes, "byte_order");
+    const std::string_view type = xml_attribute(attributes, "type"),
+                           order = xml_attribute(attributes, "byte_order");
     if (type != kind_)
       throw InvalidInput(fmt::format("holds \"{}\"; expected {}", one_line(type, 30), kind_));
     encoding_.order = order == "BigEndian" ? std::endian::big : std::endian::little;
-    encoding_.long_header = attribute(attributes, "header_type") == "UInt64";
-    encoding_.compressor = attribute(attributes, "compressor");
+    encoding_.long_header = xml_attribute(attributes, "header_type") == "UInt64";
+    encoding_.compressor = xml_attribute(attributes, "compressor");
     is_vtk_ = true;
   }
 
@@ -120,13 +116,15 @@ class Reader {
     if (owner == "Points") owner_ = &coordinates_;
     if (owner == "FieldData") owner_ = &data_.fields;
     if (owner == "Polys" && with_triangles_) owner_ = &polygons_;
-    if (const std::string_view type = attribute(attributes, "type"); type == "String" || type == "Bit")
+    if (const std::string_view type = xml_attribute(attributes, "type"); type == "String" || type == "Bit")
       owner_ = nullptr;  // nothing that particles need
     if (owner_ == nullptr) return;
     type_ = type_in(attributes);
-    array_ = {
-        std::string(attribute(attributes, "Name")), count_in(attributes, "NumberOfComponents", 1), {}, type_};
-    format_ = attribute(attributes, "format");
+    array_ = {std::string(xml_attribute(attributes, "Name")),
+              count_in(attributes, "NumberOfComponents", 1),
+              {},
+              type_};
+    format_ = xml_attribute(attributes, "format");
     offset_ = format_ == "appended" ? count_in(attributes, "offset") : 0;
   }
 

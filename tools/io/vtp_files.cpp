@@ -16,6 +16,7 @@
 #include <array>
 
 #include "core/errors.h"
+#include "surface/field/particle_weights.h"
 #include "tools/io/files.h"
 #include "tools/io/vtk_arrays.h"
 
@@ -77,7 +78,7 @@ vtkSmartPointer<vtkPolyData> particle_data(const ParticleFrame& frame, std::span
   if (!weight.empty()) {
     arrays.AddArray(make_array<vtkDoubleArray>("weight", 1, weight));
     arrays.AddArray(
-        make_array<vtkDoubleArray>("sigma", 1, particles.size(), [&](std::size_t) { return sigma; }));
+        make_array<vtkDoubleArray>("sigma", 1, support_radii(particles.size(), sigma, particles.scale)));
   }
   set_time(*data, particles.time);
   return data;

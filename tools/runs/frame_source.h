@@ -47,6 +47,7 @@ class FrameSource {
   virtual double time() const = 0;        ///< that is reached [s]
   virtual std::size_t steps() const = 0;  ///< so far
   virtual const TrackedSurfaces& surfaces() const = 0;
+  virtual TrackedSurfaces& surfaces() = 0;  ///< for whoever gives them arrays
   virtual const MaterialTracers& tracers() const = 0;
   virtual std::vector<TriangleSurface> walls_at_rest() const { return {}; }
 

@@ -1,9 +1,14 @@
 #include "tools/runs/frame_writer.h"
 
+#include <fmt/format.h>
+#include <vtkPointData.h>
+
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "core/stopwatch.h"
+#include "tools/io/vtk_arrays.h"
 #include "tools/io/vtp_files.h"
 #include "tools/runs/timings.h"
 
@@ -20,11 +25,11 @@ std::vector<Vec3> field_normals(const Field& field, std::span<const Vec3> positi
 
 }  // namespace
 
-FrameWriter::FrameWriter(const FrameSource& source, const OutputDescription& output,
+FrameWriter::FrameWriter(FrameSource& source, const OutputDescription& output,
                          std::vector<std::string> methods, std::vector<MeshFormat> formats, RunFolder& folder)
     : output_(output),
       methods_(std::move(methods)),
-      surfaces_(source.surfaces()),
+      surfaces_(std::as_const(source).surfaces()),
       tracers_(source.tracers()),
       formats_(std::move(formats)),
       folder_(folder) {
@@ -33,6 +38,7 @@ FrameWriter::FrameWriter(const FrameSource& source, const OutputDescription& out
   initial_box_ = bounding_box(mesh.rest_position);
   checker_ = checker_beside(mesh.position, field_normals(surfaces_.field(), mesh.position),
                             output.checker_size * surfaces_.field_options().sigma);
+  if (output.rest_interval > 0) rest_pair_.emplace(source.surfaces(), output.rest_interval);
   last_frame_.assign(methods_.size(), {mesh.next_id, mesh.vertex_count()});
   if (const std::vector<TriangleSurface> walls = source.walls_at_rest(); !walls.empty())
     folder.write_boundary(*boundary_data(walls));
@@ -41,9 +47,13 @@ FrameWriter::FrameWriter(const FrameSource& source, const OutputDescription& out
 void FrameWriter::write(int frame, FrameSource& source, RunSummary& summary) {
   const Stopwatch watch;
   FrameReport report = source.take_report(frame);
+  if (rest_pair_) rest_pair_->update(source.surfaces(), frame);
   FrameMetrics& metrics = report.metrics;
-  const FreshIsosurface isosurface = fresh_isosurface(surfaces_.field(), surfaces_.field_options().sigma);
-  metrics.isosurface = isosurface.metrics;
+  std::optional<FreshIsosurface> isosurface;
+  if (is_judged(frame)) {
+    isosurface = fresh_isosurface(surfaces_.field(), surfaces_.field_options().sigma);
+    metrics.isosurface = isosurface->metrics;
+  }
   write_liquid(report);
   const double shared_seconds = watch.seconds();
 
@@ -53,7 +63,9 @@ void FrameWriter::write(int frame, FrameSource& source, RunSummary& summary) {
   for (std::size_t m = 0; m < methods_.size(); ++m) {
     const Stopwatch surface_watch;
     const std::string& method = methods_[m];
-    const MetricsRow row{metrics, method, write_surface(metrics, isosurface.mesh, m, report.steps[m])};
+    MetricsRow row{metrics, method, write_surface(metrics, m, report.steps[m])};
+    if (isosurface)
+      row.surface.judgement = judge_surface(surfaces_.field(), isosurface->mesh, surfaces_.mesh(m));
     const PhaseSeconds seconds =
         phase_seconds(report.steps[m], report.liquid_seconds, shared_seconds + surface_watch.seconds());
     rows.metrics += metrics_row(row);
@@ -69,33 +81,52 @@ void FrameWriter::write_liquid(const FrameReport& report) {
   const int frame = report.metrics.frame;
   const ParticleFieldOptions& field = surfaces_.field_options();
   if (!report.walls.empty()) folder_.write_boundary(frame, *boundary_data(report.walls));
+  const Particles& particles = report.particles.particles;
   const std::vector<double> weight =
-      field_weights(report.particles.particles.position, field.sigma, field.weights);
+      field_weights(particles.position, field.sigma, field.weights, particles.scale);
   folder_.write_particles(frame, *particle_data(report.particles, weight, field.sigma));
 }
 
-SurfaceMetrics FrameWriter::write_surface(const FrameMetrics& frame, const TriangleMesh& isosurface,
-                                          std::size_t m, const TrackerStep& since_frame) {
+/// Frame 0 is, and every metrics_interval-th after it.
+bool FrameWriter::is_judged(int frame) const {
+  return output_.metrics_interval > 0 && frame % output_.metrics_interval == 0;
+}
+
+SurfaceMetrics FrameWriter::write_surface(const FrameMetrics& frame, std::size_t m,
+                                          const TrackerStep& since_frame) {
   const TriangleMesh& mesh = surfaces_.mesh(m);
   const SurfaceState state = surfaces_.state(m);
   write_meshes(frame, m, state);
-  SurfaceMetrics metrics = surface_metrics(surfaces_.field(), isosurface, mesh, state, output_.report_axis);
+  SurfaceMetrics metrics = surface_metrics(surfaces_.field(), mesh, state, output_.report_axis);
   metrics.residual_max = std::max(metrics.residual_max, since_frame.residual_max);
   metrics.regions_replaced = since_frame.topology.replaced;
   metrics.regions_refused = since_frame.topology.refused;
   metrics.vertices_replaced = since_frame.topology.vertices_lost;
-  metrics.tracer_distance = tracer_distance(mesh, tracers_, surfaces_.field_options().sigma);
+  if (is_judged(frame.frame))
+    metrics.tracer_distance = tracer_distance(mesh, tracers_, surfaces_.field_options().sigma);
   metrics.kept_fraction = kept_share(mesh, first_);
   metrics.kept_since_frame = kept_share(mesh, last_frame_[m]);
   last_frame_[m] = {mesh.next_id, mesh.vertex_count()};
   return metrics;
 }
 
+vtkSmartPointer<vtkPolyData> FrameWriter::file_data(const FrameMetrics& frame, std::size_t m,
+                                                    const SurfaceState& state,
+                                                    std::span<const Vec2> texture) const {
+  auto data = surface_data({frame.time, surfaces_.mesh(m), state, checker_, texture});
+  if (!rest_pair_) return data;
+  for (const int which : {0, 1}) {
+    const auto rest = surfaces_.mesh(m).array<Vec3>(RestPair::kNames[which]);
+    const auto coordinates = texture_coordinates(rest, rest_pair_->box(which), output_.texture);
+    data->GetPointData()->AddArray(make_array(fmt::format("texture_{}", which + 1).c_str(), 2, coordinates));
+  }
+  return data;
+}
+
 void FrameWriter::write_meshes(const FrameMetrics& frame, std::size_t m, const SurfaceState& state) {
   const TriangleMesh& mesh = surfaces_.mesh(m);
   const std::vector<Vec2> texture = texture_coordinates(mesh.rest_position, initial_box_, output_.texture);
-  folder_.write_surface(frame.frame, methods_[m],
-                        *surface_data({frame.time, mesh, state, checker_, texture}));
+  folder_.write_surface(frame.frame, methods_[m], *file_data(frame, m, state, texture));
   if (formats_.empty()) return;
   const std::vector<Rgb> colours = checker_colours(mesh.rest_position, checker_);
   for (const MeshFormat format : formats_)

@@ -1,11 +1,13 @@
 // What one frame leaves in the run folder, and the numbers that go with it.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "scenes/scene.h"
 #include "surface/measure/texture.h"
+#include "surface/tracker/rest_pair.h"
 #include "tools/io/mesh_formats.h"
 #include "tools/runs/frame_source.h"
 #include "tools/runs/run_folder.h"
@@ -18,7 +20,7 @@ class FrameWriter {
  public:
   /// Before the source's first step; writes walls that never move. methods: what files and tables call the
   /// surfaces; formats: of further mesh files beside each surface's .vtp. The references must outlive it.
-  FrameWriter(const FrameSource& source, const OutputDescription& output, std::vector<std::string> methods,
+  FrameWriter(FrameSource& source, const OutputDescription& output, std::vector<std::string> methods,
               std::vector<MeshFormat> formats, RunFolder& folder);
 
   /// Writes the frame that the source has reached: particles, walls that move and surfaces into their files,
@@ -29,6 +31,7 @@ class FrameWriter {
   template <class Archive>
   void serialize(Archive& archive) {
     archive(last_frame_);
+    if (rest_pair_) archive(*rest_pair_);
   }
 
  private:
@@ -45,8 +48,10 @@ class FrameWriter {
   static double kept_share(const TriangleMesh& mesh, const Earlier& earlier);
 
   void write_liquid(const FrameReport& report);
-  SurfaceMetrics write_surface(const FrameMetrics& frame, const TriangleMesh& isosurface, std::size_t m,
-                               const TrackerStep& since_frame);
+  SurfaceMetrics write_surface(const FrameMetrics& frame, std::size_t m, const TrackerStep& since_frame);
+  bool is_judged(int frame) const;
+  vtkSmartPointer<vtkPolyData> file_data(const FrameMetrics& frame, std::size_t m, const SurfaceState& state,
+                                         std::span<const Vec2> texture) const;
   void write_meshes(const FrameMetrics& frame, std::size_t m, const SurfaceState& state);
 
   const OutputDescription& output_;
@@ -58,6 +63,7 @@ class FrameWriter {
   Earlier first_;
   Bounds initial_box_;  // of the first mesh
   Checker checker_;
+  std::optional<RestPair> rest_pair_;
   std::vector<Earlier> last_frame_;  // the meshes at the last frame, one entry a method
 };
 

@@ -21,7 +21,7 @@ struct FrameMetrics {
   std::optional<double> density_error_mean;  ///< largest mean compression of a step since the last frame [1]
   std::optional<double> density_error_max;   ///< largest compression of a particle since then [1]
   std::optional<double> viscosity_error;     ///< largest of a step since then, over what is tolerated [1]
-  IsosurfaceMetrics isosurface;
+  std::optional<IsosurfaceMetrics> isosurface;  ///< where the frame's surfaces are judged
 };
 
 /// A row of the table: one method at one frame.

@@ -44,20 +44,28 @@ std::string progress_line(double done, double time, int frame, int frames, std::
                      static_cast<double>(steps) / std::max(elapsed, 1e-9), detail, left);
 }
 
-Progress::Progress(double start, double end, int frames, bool enabled)
-    : start_(start), end_(end), frames_(frames), enabled_(enabled) {}
-
-Progress::~Progress() {
+StatusLine::~StatusLine() {
   if (enabled_) draw_status_line("");
 }
 
+bool StatusLine::is_due() const {
+  return enabled_ && (last_drawn_ < 0 || watch_.seconds() - last_drawn_ >= kRedrawSeconds);
+}
+
+void StatusLine::show(const std::string& text) {
+  if (!is_due()) return;
+  last_drawn_ = watch_.seconds();
+  draw_status_line(text);
+}
+
+Progress::Progress(double start, double end, int frames, bool enabled)
+    : start_(start), end_(end), frames_(frames), line_(enabled) {}
+
 void Progress::show(double time, int frame, const std::string& detail) {
   ++steps_;
-  const double now = watch_.seconds();
-  if (!enabled_ || (last_drawn_ >= 0 && now - last_drawn_ < kRedrawSeconds)) return;
-  last_drawn_ = now;
+  if (!line_.is_due()) return;
   const double done = std::clamp((time - start_) / (end_ - start_), 0.0, 1.0);
-  draw_status_line(progress_line(done, time, frame, frames_, steps_, now, detail));
+  line_.show(progress_line(done, time, frame, frames_, steps_, line_.seconds(), detail));
 }
 
 }  // namespace kappaflow

@@ -11,15 +11,31 @@ namespace kappaflow {
 /// nothing where stderr is no terminal.
 void draw_status_line(const std::string& text);
 
-/// Draws on stderr, at most five times a second, and only when that is a terminal; wipes itself out at the
-/// end.
+/// One line on stderr, drawn at most five times a second, and only when that is a terminal; wipes itself out
+/// at the end.
+class StatusLine {
+ public:
+  explicit StatusLine(bool enabled) : enabled_(enabled) {}
+  ~StatusLine();
+  StatusLine(const StatusLine&) = delete;
+  StatusLine& operator=(const StatusLine&) = delete;
+
+  /// Whether show() would draw: for texts that cost something.
+  bool is_due() const;
+  void show(const std::string& text);
+  double seconds() const { return watch_.seconds(); }  ///< since the line was made
+
+ private:
+  bool enabled_;
+  Stopwatch watch_;
+  double last_drawn_ = -1;  // [s] of watch_
+};
+
+/// How far a run is, on such a line.
 class Progress {
  public:
   /// From time `start` to `end` [s]; frames: number of the last one.
   Progress(double start, double end, int frames, bool enabled);
-  ~Progress();
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
 
   /// Call after each step that worked towards `frame`. detail: what else there is to say of it.
   void show(double time, int frame, const std::string& detail);
@@ -27,9 +43,7 @@ class Progress {
  private:
   double start_, end_;
   int frames_;
-  bool enabled_;
-  Stopwatch watch_;
-  double last_drawn_ = -1;  // [s] of watch_
+  StatusLine line_;
   std::size_t steps_ = 0;
 };
 

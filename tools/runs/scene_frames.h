@@ -26,6 +26,7 @@ class SceneFrames final : public FrameSource {
   double time() const override { return simulation_.fluid().time(); }
   std::size_t steps() const override { return simulation_.fluid().steps(); }
   const TrackedSurfaces& surfaces() const override { return simulation_.surfaces(); }
+  TrackedSurfaces& surfaces() override { return simulation_.surfaces(); }
   const MaterialTracers& tracers() const override { return simulation_.tracers(); }
   std::vector<TriangleSurface> walls_at_rest() const override;
   FrameReport take_report(int frame) override;

@@ -8,11 +8,11 @@
 
 namespace kappaflow {
 
-SequenceFrames::SequenceFrames(ParticleSequence& sequence, const SurfaceOptions& options)
+SequenceFrames::SequenceFrames(ParticleSequence& sequence, const SurfaceOptions& options, bool with_tracers)
     : sequence_(sequence),
       now_(sequence.frame(0)),
       surfaces_(now_.particles, sequence.frame(1).particles, options),
-      tracers_(surfaces_.mesh().position),
+      tracers_(with_tracers ? std::span<const Vec3>(surfaces_.mesh().position) : std::span<const Vec3>()),
       time_(sequence.time(0)) {
   surfaces_.find_sources(now_.source);
 }

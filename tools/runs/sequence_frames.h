@@ -8,8 +8,9 @@ namespace kappaflow {
 
 class SequenceFrames final : public FrameSource {
  public:
-  /// Reads the first two frames; as TrackedSurfaces. sequence: must outlive it.
-  SequenceFrames(ParticleSequence& sequence, const SurfaceOptions& options);
+  /// Reads the first two frames; as TrackedSurfaces. with_tracers: whether tracers follow the material.
+  /// sequence: must outlive it.
+  SequenceFrames(ParticleSequence& sequence, const SurfaceOptions& options, bool with_tracers);
 
   int last_frame() const override { return static_cast<int>(sequence_.size()) - 1; }
   double time_of(int frame) const override { return sequence_.time(frame); }
@@ -19,6 +20,7 @@ class SequenceFrames final : public FrameSource {
   double time() const override { return time_; }
   std::size_t steps() const override { return steps_; }
   const TrackedSurfaces& surfaces() const override { return surfaces_; }
+  TrackedSurfaces& surfaces() override { return surfaces_; }
   const MaterialTracers& tracers() const override { return tracers_; }
   FrameReport take_report(int frame) override;
   std::string kept_particles(const std::filesystem::path& file) const override;

@@ -51,7 +51,8 @@ Simulation::Simulation(PreparedScene prepared)
     : walls_(std::move(prepared.walls)),
       fluid_(make_fluid(prepared.scene, std::move(prepared.start), walls_)),
       surfaces_(fluid_.particles(), surface_options(prepared.scene)),
-      tracers_(surfaces_.mesh().position),
+      tracers_(prepared.scene.output.metrics_interval > 0 ? std::span<const Vec3>(surfaces_.mesh().position)
+                                                          : std::span<const Vec3>()),
       stride_(prepared.scene.surface.stride),
       flows_in_(!prepared.scene.fluid.emitters.empty()) {
   surfaces_.find_sources(fluid_.sources());

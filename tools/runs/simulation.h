@@ -42,6 +42,7 @@ class Simulation {
   const FluidSolver& fluid() const { return fluid_; }
   const Particles& particles() const { return surfaces_.particles(); }  ///< at the surfaces' time
   const TrackedSurfaces& surfaces() const { return surfaces_; }
+  TrackedSurfaces& surfaces() { return surfaces_; }
   const MaterialTracers& tracers() const { return tracers_; }
   const Field& field() const { return surfaces_.field(); }
   const std::vector<SurfaceTracker>& trackers() const { return surfaces_.trackers(); }

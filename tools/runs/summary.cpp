@@ -66,16 +66,20 @@ std::string time_line(const RunSummary& s) {
       s.wall_seconds, since, s.setup_seconds, solver, tracking, s.tracer_seconds, output);
 }
 
+std::string volume_text(const SurfaceMetrics& surface, const FrameMetrics& frame) {
+  if (!frame.isosurface) return "-";
+  return fmt::format("{:+.2f}%", 100 * (surface.size.volume / frame.isosurface->volume - 1));
+}
+
 std::string method_table(const RunSummary& s) {
   std::string text =
       fmt::format("\n  {:<16}{:>9}{:>13}{:>12}{:>12}{:>10}{:>10}{:>10}{:>13}\n", "method", "vertices",
                   "quality min", "mean", "residual", "volume", "slip", "rotation", "unprojected");
   for (const MethodSummary& m : s.methods) {
     const SurfaceMetrics& last = m.frames.back();
-    const double volume_error = last.size.volume / s.frames.back().isosurface.volume - 1;
-    text += fmt::format("  {:<16}{:>9}{:>13.4f}{:>12.4f}{:>12.1e}{:>+9.2f}%{:>10}{:>10}{:>13}\n", m.name,
+    text += fmt::format("  {:<16}{:>9}{:>13.4f}{:>12.4f}{:>12.1e}{:>10}{:>10}{:>10}{:>13}\n", m.name,
                         last.vertices, last.quality.min, last.quality.mean, m.residual_max(),
-                        100 * volume_error, median_text(m.frames, &SurfaceMetrics::slip),
+                        volume_text(last, s.frames.back()), median_text(m.frames, &SurfaceMetrics::slip),
                         median_text(m.frames, &SurfaceMetrics::rotation_captured), last.unprojected);
   }
   return text +

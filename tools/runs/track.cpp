@@ -10,6 +10,7 @@
 #include "surface/measure/surface_motion.h"
 #include "surface/motion/velocity_methods.h"
 #include "tools/io/particle_sequence.h"
+#include "tools/runs/progress.h"
 #include "tools/runs/run_driver.h"
 #include "tools/runs/run_record.h"
 #include "tools/runs/sequence_frames.h"
@@ -20,6 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kTrackCommand = "track";
+constexpr double kEdgeLength = 0.25;  // of sigma: half a particle spacing
 
 /// Everything that follows from the options and the first frame.
 struct TrackSetup {
@@ -35,7 +37,7 @@ double measured_spacing(const ParticleSequence& sequence, const Particles& first
   if (first.size() < 2)
     throw InvalidInput(file, fmt::format("holds one particle, which has no spacing; {}", kAdvice));
   try {
-    return particle_spacing(first.position);
+    return particle_spacing(first.position, first.scale);
   } catch (const InvalidInput&) {
     const Coincidence found = coincident_particles(first.position);
     throw InvalidInput(
@@ -66,7 +68,12 @@ TrackSetup make_setup(const TrackOptions& options, const ParticleSequence& seque
   surface.is_cloud = is_cloud;
   surface.velocities = velocity_functions(surface.methods);
   surface.name = sequence.name();
-  setup.field = field_options(surface, first.position);
+  setup.field = field_options(surface, first.position, first.scale);
+  surface.edge_length = options.edge_length ? *options.edge_length / setup.field.sigma : kEdgeLength;
+  if (surface.edge_length < kFinestEdge || surface.edge_length > kCoarsestEdge)
+    throw InvalidInput(fmt::format("--edge: found {:.4g} m; expected {:.4g} to {:.4g} m, which is {} to {} sigma",
+                                   *options.edge_length, kFinestEdge * setup.field.sigma,
+                                   kCoarsestEdge * setup.field.sigma, kFinestEdge, kCoarsestEdge));
   return setup;
 }
 
@@ -105,60 +112,97 @@ std::string setup_text(const ParticleSequence& sequence, const TrackSetup& setup
                             fmt::join(setup.surface.methods, ", "));
 }
 
-/// The options as a checkpoint has them, with the files one by one and where anybody finds them.
-TrackOptions begun_with(const TrackOptions& options, const ParticleSequence& sequence) {
-  TrackOptions begun = options;
-  begun.inputs.clear();
-  for (std::size_t k = 0; k < sequence.size(); ++k)
-    begun.inputs.push_back(fs::absolute(sequence.file(k)).string());
-  return begun;
+/// A line where many particles have no surface: in a spray, or where a body is coarser than the others.
+std::string outside_text(const TrackedSurfaces& surfaces) {
+  constexpr double kWorthSaying = 0.01;
+  const std::vector<Vec3>& position = surfaces.particles().position;
+  const auto outside = std::ranges::count_if(
+      position, [&](const Vec3& x) { return surfaces.field().value_and_gradient(x).f < 0; });
+  const double share = static_cast<double>(outside) / static_cast<double>(position.size());
+  if (share < kWorthSaying) return {};
+  return fmt::format(
+      "  {:.0f} % of the particles are outside the surface in the first frame: too far from others for this "
+      "sigma. Spray is; for a coarser body give the particles a radius, or a larger --sigma; --weights "
+      "normalised keeps them all\n",
+      100 * share);
 }
 
-RunSettings settings_for(const TrackOptions& begun, const ParticleSequence& sequence,
+/// The files where anybody finds them, as a checkpoint has them.
+FileSeries absolute(FileSeries series) {
+  for (fs::path& file : series.files) file = fs::absolute(file);
+  return series;
+}
+
+RunSettings settings_for(const TrackOptions& options, const ParticleSequence& sequence,
                          const TrackSetup& setup) {
   OutputDescription output;
+  if (options.checker_edge) output.checker_size = *options.checker_edge / setup.field.sigma;
+  output.texture = options.texture;
+  output.metrics_interval = options.metrics_interval;
+  output.rest_interval = options.rest_interval;
   return {.command = kTrackCommand,
           .title = sequence.name(),
           .output = output,
           .methods = setup.surface.methods,
-          .formats = begun.formats,
-          .quiet = begun.quiet,
-          .save_beginning = [begun, hash = sequence.hash()](StateWriter& archive) { archive(begun, hash); }};
+          .formats = options.formats,
+          .quiet = options.quiet,
+          .save_beginning = [options, series = absolute(sequence.series()), hash = sequence.hash()](
+                                StateWriter& archive) { archive(options, series, hash); }};
 }
 
-RunSummary begin(const TrackOptions& options, ParticleSequence& sequence, const Stopwatch& watch,
-                 const InterruptGuard& guard) {
+/// Reads and checks all files, and says so from the first second on.
+ParticleSequence read_sequence(const FileSeries& series, const TrackOptions& options,
+                               std::optional<double> frames_per_second) {
+  StatusLine status(!options.quiet);
+  return {series, frames_per_second, [&](std::size_t file) {
+            status.show(fmt::format("checking file {} of {}", file + 1, series.files.size()));
+          }};
+}
+
+SequenceFrames first_frame(ParticleSequence& sequence, const SurfaceOptions& surface,
+                           const TrackOptions& options) {
+  StatusLine status(!options.quiet);
+  status.show("making the first mesh");
+  return {sequence, surface, options.metrics_interval > 0};
+}
+
+// Until there is something to save a signal ends the program at once.
+RunSummary begin(const TrackOptions& options, ParticleSequence& sequence, const Stopwatch& watch) {
   const TrackSetup setup = make_setup(options, sequence, sequence.frame(0).particles);
   if (setup.surface.is_cloud) check_cloud_motion(sequence, setup.field);
-  SequenceFrames frames(sequence, setup.surface);
+  SequenceFrames frames = first_frame(sequence, setup.surface, options);
+  const InterruptGuard guard;
   RunFolder folder(folder_for(options, sequence), setup.surface.methods, options.force);
   folder.write_record(track_record(options, sequence, setup.surface, setup.field));
-  if (!options.quiet) fmt::print("{}", setup_text(sequence, setup, options));
+  if (!options.quiet)
+    fmt::print("{}{}", setup_text(sequence, setup, options), outside_text(frames.surfaces()));
   std::fflush(stdout);
-  RunDriver driver(frames, folder, settings_for(begun_with(options, sequence), sequence, setup), watch);
+  RunDriver driver(frames, folder, settings_for(options, sequence, setup), watch);
   driver.start();
   return driver.advance(guard);
 }
 
-RunSummary resume(const TrackOptions& options, const InterruptGuard& guard) {
+RunSummary resume(const TrackOptions& options) {
+  const InterruptGuard guard;
   const Stopwatch watch;
   RunFolder folder(options.resume);
   SavedRun saved(folder.path(), kTrackCommand);
   TrackOptions begun;
+  FileSeries series;
   std::string hash;
   int frame = 0;
-  saved.read(begun, hash, frame);
+  saved.read(begun, series, hash, frame);
   begun.quiet = options.quiet;
-  if (frame + 1 == std::ssize(begun.inputs)) return complete_run(folder.path(), frame);
+  if (frame + 1 == std::ssize(series.files)) return complete_run(folder.path(), frame);
 
-  const bool moved = !options.inputs.empty();
-  ParticleSequence sequence(file_series(moved ? options.inputs : begun.inputs), begun.frames_per_second);
+  if (!options.inputs.empty()) series = file_series(options.inputs, begun.range);
+  ParticleSequence sequence = read_sequence(series, begun, begun.frames_per_second);
   if (sequence.hash() != hash)
     throw InvalidInput(fmt::format("{}: the particles are not those that the run in {} began with",
                                    sequence.name(), folder.path().string()));
   const TrackSetup setup = make_setup(begun, sequence, sequence.frame(0).particles);
-  SequenceFrames frames(sequence, setup.surface);
-  RunDriver driver(frames, folder, settings_for(begun_with(begun, sequence), sequence, setup), watch);
+  SequenceFrames frames = first_frame(sequence, setup.surface, begun);
+  RunDriver driver(frames, folder, settings_for(begun, sequence, setup), watch);
   driver.restore(frame, saved);
   folder.write_record(resumed_record(folder.path(), options.command, options.threads, frames.time()));
   return driver.advance(guard);
@@ -167,12 +211,12 @@ RunSummary resume(const TrackOptions& options, const InterruptGuard& guard) {
 }  // namespace
 
 int track(const TrackOptions& options) {
-  const InterruptGuard guard;
   if (!options.resume.empty())
-    return run_outcome(resume(options, guard), kTrackCommand, options.resume, options.quiet);
+    return run_outcome(resume(options), kTrackCommand, options.resume, options.quiet);
   const Stopwatch watch;
-  ParticleSequence sequence(file_series(options.inputs), options.frames_per_second);
-  return run_outcome(begin(options, sequence, watch, guard), kTrackCommand, folder_for(options, sequence),
+  ParticleSequence sequence =
+      read_sequence(file_series(options.inputs, options.range), options, options.frames_per_second);
+  return run_outcome(begin(options, sequence, watch), kTrackCommand, folder_for(options, sequence),
                      options.quiet);
 }
 

@@ -8,13 +8,17 @@
 
 #include "core/saved_state.h"
 #include "surface/field/particle_weights.h"
+#include "surface/measure/texture.h"
+#include "tools/io/file_series.h"
 #include "tools/io/mesh_formats.h"
 
 namespace kappaflow {
 
 struct TrackOptions {
-  /// Files, or shell patterns for them; of a run that is resumed: empty where they are where they were.
+  /// Files, patterns for them, a folder or a .pvd, see file_series(); of a run that is resumed: empty where
+  /// they are where they were.
   std::vector<std::string> inputs;
+  FileRange range;                          ///< which of them
   std::filesystem::path resume;             ///< folder of an interrupted run to go on with; empty: a new run
   std::filesystem::path folder;             ///< empty: out/<name of the series>
   std::vector<std::string> methods;         ///< empty: material, or regional for point clouds
@@ -22,6 +26,11 @@ struct TrackOptions {
   std::optional<double> sigma;              ///< support radius of Eq. 12 [m]; empty: 2 particle spacings
   std::optional<double> threshold;  ///< T of Eq. 12; empty: half the median of the field at the particles
   WeightRule weights = WeightRule::uniform;
+  std::optional<double> edge_length;   ///< of the mesh where it is flat [m]; empty: a quarter of sigma
+  std::optional<double> checker_edge;  ///< of the checker's cubes [m]; empty: OutputDescription's
+  TextureProjection texture = TextureProjection::box;
+  int rest_interval = 0;            ///< see OutputDescription
+  int metrics_interval = 1;         ///< see OutputDescription
   std::vector<MeshFormat> formats;  ///< of further mesh files beside each surface's .vtp
   int threads = 1;
   bool force = false;                ///< replace a run that the folder already holds
@@ -31,7 +40,8 @@ struct TrackOptions {
   /// See core/saved_state.h: what a resumed run takes over.
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(inputs, methods, frames_per_second, sigma, threshold, weights, formats);
+    archive(range, methods, frames_per_second, sigma, threshold, weights, edge_length, checker_edge, texture,
+            rest_interval, metrics_interval, formats);
   }
 };
 

@@ -1,7 +1,10 @@
 #include <gtest/gtest.h>
 
 #include "core/errors.h"
+#include "surface/field/particle_motion.h"
 #include "surface/field/particle_weights.h"
+#include "surface/mesh/isosurface.h"
+#include "surface/mesh/mesh_measures.h"
 #include "tests/surface/field/random_particles.h"
 
 namespace kappaflow {
@@ -86,6 +89,44 @@ TEST(ParticleSpacing, OfLatticesAndJitteredBodies) {
     std::erase_if(position, [&](const Vec3& x) { return x.z() > 0.5 * h; });
     EXPECT_NEAR(particle_spacing(position), 1.25 * h, 0.15 * h) << "a sheet";
   }
+}
+
+/// A cube of 6^3 particles at the spacing h beside one of 12^3 at h/2: equal bodies, whose scales are 2
+/// and 1.
+TEST(ParticleSpacing, ParticlesOfSeveralSizesMakeBodiesOfTheSameField) {
+  constexpr double kH = 0.2;
+  std::vector<Vec3> position = cubic_lattice(6, kH);
+  std::vector<double> scale(position.size(), 2.0);
+  for (const Vec3& x : cubic_lattice(12, kH / 2)) {
+    position.push_back(x + Vec3(3, 0, 0));
+    scale.push_back(1);
+  }
+  EXPECT_NEAR(particle_spacing(position, scale), kH / 2, 0.03 * kH / 2);
+  const double sigma = kH;  // two spacings of the fine ones
+  const std::vector<double> radii = support_radii(position.size(), sigma, scale);
+  EXPECT_EQ(radii.front(), 2 * sigma);
+  EXPECT_EQ(radii.back(), sigma);
+  const std::vector<double> weight = field_weights(position, sigma, WeightRule::uniform, scale);
+  const double threshold = half_median_threshold(position, weight, sigma, scale);
+  const std::vector<double> fine(1728, 1.0);
+  const std::span<const Vec3> fine_only = std::span(position).last(1728);
+  EXPECT_NEAR(threshold, half_median_threshold(fine_only, fine, sigma), 0.15 * threshold);
+
+  // As the coarse body is the fine lattice twice as large, so is its surface.
+  const auto volume = [&](double spacing, double size) {
+    Particles body;
+    for (const Vec3& x : cubic_lattice(6, spacing)) {
+      body.id.push_back(static_cast<std::int64_t>(body.id.size()));
+      body.position.push_back(x);
+      body.velocity.push_back(Vec3::Zero());
+      body.scale.push_back(size);
+    }
+    const auto field = particle_field(body, {.sigma = sigma, .threshold = threshold});
+    const TriangleMesh mesh = extract_isosurface(*field, 0.25 * sigma * size);
+    return area_and_volume(mesh.position, mesh.triangles).volume;
+  };
+  EXPECT_NEAR(volume(kH, 2), 8 * volume(kH / 2, 1), 1e-6);
+  EXPECT_NEAR(volume(kH, 2), std::pow(6 * kH, 3), 0.15 * std::pow(6 * kH, 3)) << "with round edges";
 }
 
 TEST(ParticleSpacing, TakesParticlesThatLieApart) {

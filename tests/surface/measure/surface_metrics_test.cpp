@@ -26,8 +26,8 @@ TEST(SurfaceMetrics, SphereOfOneParticle) {
   const TriangleMesh mesh = initial_mesh(*field, 0.1, {});
   const VertexRings rings = vertex_rings(mesh.vertex_count(), mesh.triangles);
   const SurfaceState state = surface_state(*field, mesh, rings, velocity_method("normal").evaluate, {});
-  const TriangleMesh isosurface = fresh_isosurface(*field, 1).mesh;
-  const SurfaceMetrics metrics = surface_metrics(*field, isosurface, mesh, state, Vec3(0, 0, 1));
+  const SurfaceMetrics metrics = surface_metrics(*field, mesh, state, Vec3(0, 0, 1));
+  const SurfaceJudgement judgement = judge_surface(*field, fresh_isosurface(*field, 1).mesh, mesh);
   EXPECT_EQ(metrics.vertices, mesh.vertex_count());
   EXPECT_EQ(metrics.triangles, mesh.triangles.size());
   EXPECT_EQ(metrics.topology.components, 1);
@@ -40,14 +40,14 @@ TEST(SurfaceMetrics, SphereOfOneParticle) {
   EXPECT_NEAR(*metrics.slip, 1, 1e-6);
   EXPECT_FALSE(metrics.rotation_captured.has_value()) << "a translation has no rotation to capture";
   EXPECT_EQ(metrics.angles_outside, 0);
-  EXPECT_EQ(metrics.self_intersections, 0u);
-  EXPECT_EQ(metrics.on_lattice.components, 1);
-  EXPECT_EQ(metrics.on_lattice.genus, 0);
+  EXPECT_EQ(judgement.self_intersections, 0u);
+  EXPECT_EQ(judgement.on_lattice.components, 1);
+  EXPECT_EQ(judgement.on_lattice.genus, 0);
   EXPECT_EQ(metrics.texture.cracks, 0);
   // The chords of both meshes: h^2 / (6 R) at the middle of a triangle of edge h, and more at longer edges.
-  EXPECT_LT(metrics.surface_without_mesh, 0.01);
-  EXPECT_LT(metrics.mesh_without_surface, 0.01);
-  EXPECT_GT(metrics.mesh_without_surface, 0.001);
+  EXPECT_LT(judgement.surface_without_mesh, 0.01);
+  EXPECT_LT(judgement.mesh_without_surface, 0.01);
+  EXPECT_GT(judgement.mesh_without_surface, 0.001);
 }
 
 TEST(SurfaceMetrics, ResidualIsTheDistanceInSigma) {

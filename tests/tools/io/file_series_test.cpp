@@ -43,10 +43,74 @@ TEST_F(FileSeriesNames, FilesThatAreNoSeriesAreSaid) {
             std::string::npos);
   EXPECT_EQ(message_of<InvalidInput>([&] { series("lone_*.csv"); }),
             path("lone_1.csv") + " is one file; a sequence takes two or more");
-  EXPECT_EQ(message_of<InvalidInput>([&] { series(""); }),
-            path("") + " is a folder; name the files in it, e.g. '" + path("") + "/*.vtk'");
   EXPECT_EQ(message_of<IoError>([&] { series("none_*.csv"); }),
             path("none_*.csv") + ": there is no such file");
+}
+
+TEST_F(FileSeriesNames, AFolderStandsForTheParticleFilesInIt) {
+  for (const char* name : {"p_2.vtk", "p_10.vtk", "notes.txt", "p_2.png"}) file(name, "");
+  const FileSeries found = series("");
+  ASSERT_EQ(found.files.size(), 2u);
+  EXPECT_EQ(found.files.back().filename(), "p_10.vtk");
+  file("q_1.vtk", "");
+  EXPECT_NE(message_of<InvalidInput>([&] { series(""); }).find(" belong to different series; "),
+            std::string::npos);
+  std::filesystem::create_directory(folder / "empty");
+  EXPECT_EQ(
+      message_of<InvalidInput>([&] { series("empty"); }),
+      path("empty") +
+          ": there are no particle files in this folder (expected .vtk, .vtp, .vtu, .bgeo, .hdf5 or .csv)");
+}
+
+TEST_F(FileSeriesNames, ARangeTakesFilesByTheirNumbers) {
+  for (int k = 95; k < 130; k += 5) file(fmt::format("p_{}.csv", k), "");
+  const auto names = [](const FileSeries& series) {
+    std::string text;
+    for (const fs::path& f : series.files) text += f.stem().string() + " ";
+    return text;
+  };
+  const std::vector<std::string> all{path("p_*.csv")};
+  EXPECT_EQ(names(file_series(all, {100, 112})), "p_100 p_105 p_110 ");
+  const FileSeries third = file_series(all, {95, 1000, 3});
+  EXPECT_EQ(names(third), "p_95 p_110 p_125 ");
+  EXPECT_EQ(third.stride, 3);
+  EXPECT_EQ(third.step, 5) << "from file to file of the whole series";
+  EXPECT_EQ(third.gap, "");
+  EXPECT_EQ(message_of<InvalidInput>([&] {
+              file_series(all, {121, 122});
+            }),
+            "--frames 121:122 leaves none of the files numbered 95 to 125; a sequence takes two or more");
+  EXPECT_EQ(message_of<InvalidInput>([&] {
+              file_series(all, {100, 119, 9});
+            }),
+            "--frames 100:119:9 leaves one of the files numbered 95 to 125; a sequence takes two or more");
+}
+
+TEST_F(FileSeriesNames, APvdListsFilesAndTimes) {
+  const auto pvd = [&](const std::string& entries) {
+    return file("all.pvd", "<VTKFile type=\"Collection\"><Collection>" + entries + "</Collection></VTKFile>");
+  };
+  pvd("<DataSet timestep=\"0.5\" part=\"0\" file=\"sub/first.vtp\"/><DataSet timestep=\"0.5\" part=\"1\" "
+      "file=\"walls.vtp\"/><DataSet timestep=\"0.75\" file=\"then.vtp\"/><DataSet timestep=\"2\" "
+      "file=\"last.vtp\"/>");
+  const FileSeries found = series("all.pvd");
+  EXPECT_EQ(found.times, (std::vector<double>{0.5, 0.75, 2}));
+  EXPECT_EQ(found.name, "all");
+  EXPECT_EQ(found.files.front(), folder / "sub/first.vtp");
+  const FileSeries part = file_series(std::vector{path("all.pvd")}, {1, 9});
+  EXPECT_EQ(part.times, (std::vector<double>{0.75, 2})) << "numbers count from 0";
+
+  pvd("<DataSet timestep=\"0\" file=\"a.vtp\"/>");
+  EXPECT_EQ(message_of<InvalidInput>([&] { series("all.pvd"); }),
+            path("all.pvd") + " lists one file; a sequence takes two or more");
+  pvd("<DataSet timestep=\"soon\" file=\"a.vtp\"/>");
+  EXPECT_EQ(message_of<InvalidInput>([&] { series("all.pvd"); }),
+            path("all.pvd") + ": the time of a.vtp: found \"soon\" where a number is needed");
+  file("all.pvd", "<VTKFile type=\"PolyData\"/>");
+  EXPECT_EQ(message_of<IoError>([&] { series("all.pvd"); }),
+            path("all.pvd") + ": is not a ParaView collection (.pvd)");
+  file("all.pvd", "<VTKFile\n<");
+  EXPECT_TRUE(message_of<IoError>([&] { series("all.pvd"); }).starts_with(path("all.pvd") + ": line 2: "));
 }
 
 TEST_F(FileSeriesNames, AGapIsWhereTheStepIsNotTheMostFrequent) {

@@ -23,7 +23,7 @@ TEST(MetricsTable, HasTheDocumentedColumns) {
 }
 
 TEST(MetricsTable, RowMatchesTheHeader) {
-  const FrameMetrics frame{7, 0.28, 1000, 0.25, 1.0 / 3.0, 0.02, 0.5, {0.75, {2, 3}}};
+  const FrameMetrics frame{7, 0.28, 1000, 0.25, 1.0 / 3.0, 0.02, 0.5, {{0.75, {2, 3}}}};
   SurfaceMetrics surface;
   surface.vertices = 12;
   surface.triangles = 20;
@@ -34,20 +34,38 @@ TEST(MetricsTable, RowMatchesTheHeader) {
   surface.topology = {1, 4};
   surface.unprojected = 5;
   surface.angles_outside = 0.125;
-  surface.self_intersections = 6;
   surface.texture = {0.5, 0.25};
   surface.kept_since_frame = 0.875;
-  surface.surface_without_mesh = 1.5;
-  surface.mesh_without_surface = 2.5;
   surface.regions_replaced = 8;
   surface.regions_refused = 9;
-  surface.on_lattice = {10, 11};
+  surface.judgement = {6, {10, 11}, 1.5, 2.5};
   surface.vertices_replaced = 13;
   EXPECT_EQ(
       metrics_row({frame, "total", surface}),
       "7,0.28,total,1000,0.25,0.333333333333,0.02,0.5,12,20,1e-05,0.5,0.9,3.5,0.625,0.75,,0.875,,1,4,2,3,1,"
       "5,0,0.125,6,0.5,0.25,0.875,1.5,2.5,8,9,10,11,13\n");
   EXPECT_EQ(split(metrics_row({frame, "total", surface}), ',').size(), split(metrics_header(), ',').size());
+}
+
+TEST(MetricsTable, WhatIsNotJudgedStaysEmpty) {
+  MetricsRow row;
+  row.frame.particles = 9;
+  row.method = "regional";
+  const std::vector<std::string> names = split(metrics_header(), ','), cells = split(metrics_row(row), ',');
+  std::string empty;
+  for (std::size_t c = 0; c < cells.size(); ++c)
+    if (cells[c].empty()) empty += names[c] + " ";
+  EXPECT_EQ(empty,
+            "penetration_max density_error_mean density_error_max viscosity_error isosurface_volume slip "
+            "rotation_captured tracer_distance isosurface_components isosurface_genus self_intersections "
+            "surface_without_mesh mesh_without_surface components_on_lattice genus_on_lattice ");
+  MetricsRow read;
+  for (std::size_t c = 0; c < metric_columns().size(); ++c) {
+    EXPECT_EQ(cells[c].empty(), cells[c].empty() && std::isnan(metric_columns()[c].number(row)));
+    metric_columns()[c].read(c + 1 == cells.size() ? cells[c].substr(0, cells[c].size() - 1) : cells[c],
+                             read);
+  }
+  EXPECT_EQ(metrics_row(read), metrics_row(row));
 }
 
 // The page's table is the columns' own.

@@ -46,6 +46,7 @@ class Track : public Scratch {
     o.frames_per_second = 10;
     o.sigma = kSigma;
     o.threshold = kThreshold;
+    o.edge_length = 0.5 * kSigma;
     o.force = o.quiet = true;
     return o;
   }
@@ -215,6 +216,71 @@ TEST_F(Track, PointCloudsAreTrackedByTheirField) {
 
   o.methods = {"material"};
   EXPECT_NE(message_of<InvalidInput>([&] { track(o); }).find("these have neither"), std::string::npos);
+}
+
+TEST_F(Track, OptionsOfTheMeshAndOfTheFilesAreFollowed) {
+  write_sequence("csv", kBodyMotion, 0.1, [](const Particles& p, int) { return csv_text(p, true, true); });
+  TrackOptions o = options("p_*.csv", {"material"});
+  o.range = {6, 10, 2};
+  o.edge_length.reset();
+  ASSERT_EQ(track(o), 0);
+  const vtkIdType vertices = surface("material", 0)->GetNumberOfPoints();
+  EXPECT_FALSE(fs::exists(folder / "out/surface-material/surface_0003.vtp")) << "files 6, 8 and 10";
+  const auto rows = read_table(folder / "out/metrics.csv");
+  EXPECT_DOUBLE_EQ(std::stod(rows.back().at("time")), 0.4) << "the rate is that of all files";
+  EXPECT_NE(rows.back().at("isosurface_volume"), "");
+
+  o.edge_length = 0.125 * kSigma;  // half the default
+  o.metrics_interval = 0;
+  o.rest_interval = 1;
+  o.checker_edge = 0.123;
+  o.texture = TextureProjection::planar;
+  ASSERT_EQ(track(o), 0);
+  const auto fine = surface("material", 2);
+  EXPECT_GT(fine->GetNumberOfPoints(), 3 * vertices);
+  EXPECT_DOUBLE_EQ(fine->GetFieldData()->GetArray("checker_edge")->GetTuple1(0), 0.123);
+  EXPECT_EQ(read_table(folder / "out/metrics.csv").back().at("isosurface_volume"), "");
+  EXPECT_EQ(read_table(folder / "out/metrics.csv").back().at("tracer_distance"), "");
+  for (const char* name : {"rest_1", "rest_2", "rest_2_weight", "texture_1", "texture_2"})
+    EXPECT_TRUE(fine->GetPointData()->HasArray(name)) << name;
+  vtkDataArray& rest = *fine->GetPointData()->GetArray("rest_1");  // reset in this frame
+  for (vtkIdType v = 0; v < fine->GetNumberOfPoints(); ++v)
+    EXPECT_LT((Vec3(rest.GetTuple3(v)) - Vec3(fine->GetPoint(v))).norm(), 1e-6);
+
+  o.edge_length = 3 * kSigma;
+  EXPECT_EQ(message_of<InvalidInput>([&] { track(o); }),
+            "--edge: found 0.6 m; expected 0.01 to 0.4 m, which is 0.05 to 2 sigma");
+}
+
+/// Two blocks of which one is twice as coarse as the other: without radii it has no surface.
+TEST_F(Track, ParticlesOfTwoSizesEachHaveTheirSurface) {
+  const auto body = [](int k, bool radii) {
+    Particles fine = moved_block({}, 0), coarse = fine;
+    std::string text = radii ? "id,x,y,z,pscale\n" : "id,x,y,z\n";
+    int id = 0;
+    const auto add = [&](const Particles& block, double scale, const Vec3& at) {
+      for (const Vec3& x : block.position)
+        text += fmt::format("{},{},{},{}{}\n", id++, scale * x[0] + at[0] + 0.02 * k, scale * x[1] + at[1],
+                            scale * x[2] + at[2], radii ? fmt::format(",{}", 7 * scale) : std::string());
+    };
+    add(fine, 1, Vec3::Zero());
+    add(fine, 1, Vec3(0.62, 0, 0));  // a block of two, so that the median is theirs
+    add(coarse, 2, Vec3(3, 0, 0));
+    return text;
+  };
+  for (const bool radii : {true, false}) {
+    for (const int k : {0, 1, 2}) file(fmt::format("p_{}.csv", k), body(k, radii));
+    TrackOptions o = options("p_*.csv", {"material"});
+    o.sigma.reset();
+    o.threshold.reset();
+    o.edge_length.reset();
+    ASSERT_EQ(track(o), 0);
+    const auto row = read_table(folder / "out/metrics.csv").back();
+    EXPECT_EQ(row.at("components"), radii ? "2" : "1");
+    const double fine = 2 * 0.6 * 0.5 * 0.4, coarse = 8 * 0.6 * 0.5 * 0.4;
+    const double expected = radii ? fine + coarse : fine;
+    EXPECT_NEAR(std::stod(row.at("volume")), expected, 0.2 * expected);
+  }
 }
 
 TEST_F(Track, PointCloudsThatMoveTooFarAreSaidBeforeAnythingIsWritten) {
