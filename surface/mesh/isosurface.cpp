@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <span>
 
 #include "core/errors.h"
@@ -159,26 +160,6 @@ struct LatticeVertex {
   bool exact;
 };
 
-/// f = 0 between two points of an edge, by false position; where float and double precision differ about the
-/// sign at one end, that end.
-LatticeVertex find_on_edge(const Field& field, const Vec3& from, const Vec3& to, double tolerance) {
-  std::array<Vec3, 2> end{from, to};
-  std::array<double, 2> f{field.value_and_gradient(from).f, field.value_and_gradient(to).f};
-  Vec3 x = std::abs(f[0]) < std::abs(f[1]) ? from : to;
-  ValueAndGradient at = field.value_and_gradient(x);
-  const auto exact = [&] { return std::abs(at.f) <= tolerance * at.g.norm(); };
-  for (int i = 0, last = -1; i < kFalsePositions && f[0] * f[1] < 0 && (i == 0 || !exact()); ++i) {
-    x = (f[1] * end[0] - f[0] * end[1]) / (f[1] - f[0]);
-    at = field.value_and_gradient(x);
-    const int side = (at.f > 0) == (f[0] > 0) ? 0 : 1;
-    end[side] = x;
-    f[side] = at.f;
-    if (side == last) f[1 - side] *= 0.5;
-    last = side;
-  }
-  return {x, at.g, exact()};
-}
-
 /// The ends of the lattice's edge that x lies on [m]; x: in units of the spacing, from the lattice's origin.
 std::pair<Vec3, Vec3> edge_of(const SampledField& lattice, const Vec3& x) {
   Vec3 from = x.array().round();
@@ -188,6 +169,54 @@ std::pair<Vec3, Vec3> edge_of(const SampledField& lattice, const Vec3& x) {
   from[axis] = std::floor(x[axis]);
   to[axis] = std::ceil(x[axis]);
   return {lattice.origin + lattice.spacing * from, lattice.origin + lattice.spacing * to};
+}
+
+bool is_exact(const ValueAndGradient& at, double tolerance) {
+  return std::abs(at.f) <= tolerance * at.g.norm();
+}
+
+/// f = 0 near x between two points of an edge, by one step of Newton's method along the edge, which is enough
+/// where f is nearly linear along it.
+std::optional<LatticeVertex> newton_on_edge(const Field& field, Vec3 x, const Vec3& from, const Vec3& to,
+                                            double tolerance) {
+  ValueAndGradient at = field.value_and_gradient(x);
+  if (!is_exact(at, tolerance)) {
+    const Vec3 edge = to - from;
+    const double share = edge.dot(x - from) / edge.squaredNorm() - at.f / at.g.dot(edge);
+    if (!(share >= 0 && share <= 1)) return std::nullopt;
+    x = from + share * edge;
+    at = field.value_and_gradient(x);
+  }
+  if (!is_exact(at, tolerance)) return std::nullopt;
+  return LatticeVertex{x, at.g, true};
+}
+
+/// The same by false position, wherever it is between the points; where float and double precision differ
+/// about the sign at one end, that end.
+LatticeVertex false_position_on_edge(const Field& field, const Vec3& from, const Vec3& to, double tolerance) {
+  std::array<Vec3, 2> end{from, to};
+  std::array<double, 2> f{field.value_and_gradient(from).f, field.value_and_gradient(to).f};
+  Vec3 x = std::abs(f[0]) < std::abs(f[1]) ? from : to;
+  ValueAndGradient at = field.value_and_gradient(x);
+  for (int i = 0, last = -1; i < kFalsePositions && f[0] * f[1] < 0 && (i == 0 || !is_exact(at, tolerance));
+       ++i) {
+    x = (f[1] * end[0] - f[0] * end[1]) / (f[1] - f[0]);
+    at = field.value_and_gradient(x);
+    const int side = (at.f > 0) == (f[0] > 0) ? 0 : 1;
+    end[side] = x;
+    f[side] = at.f;
+    if (side == last) f[1 - side] *= 0.5;
+    last = side;
+  }
+  return {x, at.g, is_exact(at, tolerance)};
+}
+
+/// f = 0 between the ends of the lattice's edge that x lies on; x: where linear interpolation puts it, in
+/// units of the spacing, from the lattice's origin.
+LatticeVertex find_on_edge(const Field& field, const SampledField& lattice, const Vec3& x, double tolerance) {
+  const auto [from, to] = edge_of(lattice, x);
+  const auto found = newton_on_edge(field, lattice.origin + lattice.spacing * x, from, to, tolerance);
+  return found ? *found : false_position_on_edge(field, from, to, tolerance);
 }
 
 /// Moves the extractor's vertices, in units of the spacing, onto f = 0 along the lattice's edges.
@@ -208,8 +237,7 @@ void place_vertices(const Field& field, vtkPolyData& surface, const SampledField
   parallel_for(
       n,
       [&](std::size_t v) {
-        const auto [from, to] = edge_of(samples, result.position[v]);
-        const LatticeVertex found = find_on_edge(field, from, to, tolerance);
+        const LatticeVertex found = find_on_edge(field, samples, result.position[v], tolerance);
         result.position[v] = found.position;
         result.gradient[v] = found.gradient;
         result.exact[v] = found.exact;
@@ -224,8 +252,8 @@ void place_on_surface(const Field& field, double spacing, double tolerance, std:
   parallel_for(
       position.size(),
       [&](std::size_t v) {
-        const auto [from, to] = edge_of(lattice, (position[v] - lattice.origin) / spacing);
-        position[v] = find_on_edge(field, from, to, tolerance).position;
+        position[v] =
+            find_on_edge(field, lattice, (position[v] - lattice.origin) / spacing, tolerance).position;
       },
       16);
 }

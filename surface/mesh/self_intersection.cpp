@@ -24,11 +24,15 @@ struct Box {
 
 using Corners = std::array<Vec3, 3>;
 
-/// Triangles in the cells of a grid that their boxes meet.
+/// Triangles in the cells of a grid that their boxes meet; of the first `known` those that may meet one of
+/// the others.
 class TriangleGrid {
  public:
-  TriangleGrid(std::span<const Vec3> position, std::span<const Triangle> triangles)
-      : position_(position), triangles_(triangles), boxes_(triangles.size()) {
+  TriangleGrid(std::span<const Vec3> position, std::span<const Triangle> triangles, std::size_t known)
+      : position_(position),
+        triangles_(triangles),
+        known_(static_cast<int>(known)),
+        boxes_(triangles.size()) {
     set_boxes();
     set_entries();
   }
@@ -78,7 +82,11 @@ class TriangleGrid {
   }
 
   void set_entries() {
+    Box others = {Vec3::Constant(HUGE_VAL), Vec3::Constant(-HUGE_VAL)};
+    for (std::size_t t = known_; t < boxes_.size(); ++t)
+      others = {others.lower.cwiseMin(boxes_[t].lower), others.upper.cwiseMax(boxes_[t].upper)};
     for (int t = 0; t < static_cast<int>(boxes_.size()); ++t) {
+      if (t < known_ && !boxes_[t].meets(others)) continue;
       const Cell first = cell_of(boxes_[t].lower), last = cell_of(boxes_[t].upper);
       for (std::uint64_t k = first[2]; k <= last[2]; ++k)
         for (std::uint64_t j = first[1]; j <= last[1]; ++j)
@@ -103,8 +111,10 @@ class TriangleGrid {
 
   template <class Visit>
   void for_each_intersection(std::size_t cell, const Visit& visit) const {
+    std::size_t first_other = cell_start_[cell];  // entries ascend
+    while (first_other < cell_start_[cell + 1] && entries_[first_other].triangle < known_) ++first_other;
     for (std::size_t a = cell_start_[cell]; a < cell_start_[cell + 1]; ++a)
-      for (std::size_t b = a + 1; b < cell_start_[cell + 1]; ++b) {
+      for (std::size_t b = std::max(a + 1, first_other); b < cell_start_[cell + 1]; ++b) {
         const Box &box_a = boxes_[entries_[a].triangle], &box_b = boxes_[entries_[b].triangle];
         if (!box_a.meets(box_b)) continue;
         // A pair may meet in several cells; it counts in the one that holds their boxes' common lower corner.
@@ -116,6 +126,7 @@ class TriangleGrid {
 
   std::span<const Vec3> position_;
   std::span<const Triangle> triangles_;
+  int known_;
   std::vector<Box> boxes_;
   Vec3 origin_ = Vec3::Zero();
   double cell_size_ = 1;
@@ -127,13 +138,14 @@ class TriangleGrid {
 
 std::size_t self_intersections(std::span<const Vec3> position, std::span<const Triangle> triangles) {
   if (triangles.empty()) return 0;
-  return TriangleGrid(position, triangles).intersections();
+  return TriangleGrid(position, triangles, 0).intersections();
 }
 
-std::vector<int> intersecting_triangles(std::span<const Vec3> position, std::span<const Triangle> triangles) {
+std::vector<int> intersecting_triangles(std::span<const Vec3> position, std::span<const Triangle> triangles,
+                                        std::size_t known) {
   std::vector<int> found;
   if (triangles.empty()) return found;
-  const std::vector<char> marked = TriangleGrid(position, triangles).is_intersecting();
+  const std::vector<char> marked = TriangleGrid(position, triangles, known).is_intersecting();
   for (int t = 0; t < static_cast<int>(marked.size()); ++t)
     if (marked[t]) found.push_back(t);
   return found;

@@ -13,7 +13,9 @@ namespace kappaflow {
 /// the edges opposite to it can cross: see triangles_cross().
 std::size_t self_intersections(std::span<const Vec3> position, std::span<const Triangle> triangles);
 
-/// The triangles of these pairs, ascending, each once.
-std::vector<int> intersecting_triangles(std::span<const Vec3> position, std::span<const Triangle> triangles);
+/// The triangles of these pairs, ascending, each once. Pairs of two of the first `known` triangles are not
+/// looked at.
+std::vector<int> intersecting_triangles(std::span<const Vec3> position, std::span<const Triangle> triangles,
+                                        std::size_t known = 0);
 
 }  // namespace kappaflow

@@ -79,14 +79,13 @@ bool would_cross(const RemeshState& state, std::span<const int> old, int apex) {
   std::vector<Triangle> triangles;
   for (const int t : around)
     if (!is_old(t)) triangles.push_back(mesh_triangles[t]);
-  const int first_new = static_cast<int>(triangles.size());
+  const std::size_t staying = triangles.size();
   for (const int t : old)
     for (int h = 3 * t; h < 3 * t + 3; ++h)
       if (const int u = edits.origin(h), v = edits.end(h);
           !is_old(edits.twin(h) / 3) && u != apex && v != apex)
         triangles.push_back({u, v, apex});
-  const std::vector<int> crossing = intersecting_triangles(edits.mesh().position, triangles);
-  return !crossing.empty() && crossing.back() >= first_new;
+  return !intersecting_triangles(edits.mesh().position, triangles, staying).empty();
 }
 
 bool would_cross(RemeshState& state, std::span<const int> old, const Vec3& x) {

@@ -40,10 +40,29 @@ int edges_along(const Triangle& t, std::span<const std::pair<int, int>> edges) {
   return along;
 }
 
+/// Those of the triangles that come within `reach` of the box around some points.
+std::vector<int> near_box(const TriangleMesh& mesh, std::span<const int> triangles,
+                          std::span<const Vec3> points, double reach) {
+  Vec3 lower = Vec3::Constant(kInfinity), upper = -lower;
+  for (const Vec3& x : points) {
+    lower = lower.cwiseMin(x);
+    upper = upper.cwiseMax(x);
+  }
+  std::vector<int> near;
+  for (const int t : triangles) {
+    const auto& [a, b, c] = mesh.triangles[t];
+    const Vec3 &x = mesh.position[a], &y = mesh.position[b], &z = mesh.position[c];
+    if ((x.cwiseMin(y).cwiseMin(z).array() - reach <= upper.array()).all() &&
+        (x.cwiseMax(y).cwiseMax(z).array() + reach >= lower.array()).all())
+      near.push_back(t);
+  }
+  return near;
+}
+
 /// The patch is what of the isosurface keeps a distance from the mesh that stays.
 std::vector<Triangle> away_from_kept(const LocalIsosurface& iso, const TriangleMesh& mesh,
                                      std::span<const int> kept, double gap) {
-  const TriangleBins bins(mesh, kept, gap);
+  const TriangleBins bins(mesh, near_box(mesh, kept, iso.position, gap), gap);
   std::vector<char> near(iso.position.size());
   parallel_for(near.size(), [&](std::size_t v) {
     const Vec3 normal = -iso.gradient[v].normalized();

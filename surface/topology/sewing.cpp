@@ -108,9 +108,7 @@ Obstacles unsound_places(const ReplacementSetting& setting, const MeshEdits& edi
   all.insert(all.end(), seams.begin(), seams.end());
   for (const int t : edits.misfits(hole.removed, std::span(all).subspan(kept))) add(all[kept + t]);
   if (!found.empty()) return found;
-  const std::vector<int> crossing = intersecting_triangles(mesh.position, all);
-  if (crossing.empty() || crossing.back() < static_cast<int>(kept)) return {};
-  for (const int t : crossing) add(all[t]);
+  for (const int t : intersecting_triangles(mesh.position, all, kept)) add(all[t]);
   return found;
 }
 

@@ -255,6 +255,9 @@ TEST(IntersectingTriangles, AreThoseOfThePairs) {
   for (const auto& [a, b, c] : one.triangles) triangles.push_back({n + a, n + b, n + c});
   const std::vector<int> crossing = intersecting_triangles(position, triangles);
   EXPECT_GT(crossing.size(), 20u);
+  EXPECT_EQ(intersecting_triangles(position, triangles, one.triangles.size()), crossing)
+      << "neither ball crosses itself";
+  EXPECT_TRUE(intersecting_triangles(position, triangles, triangles.size()).empty()) << "none is new";
   EXPECT_TRUE(std::ranges::is_sorted(crossing));
   // Every one of them crosses another, and the rest crosses nothing.
   std::vector<Triangle> rest;
