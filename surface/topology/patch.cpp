@@ -33,11 +33,23 @@ std::vector<std::pair<int, int>> edges_of(std::span<const std::vector<int>> loop
   return edges;
 }
 
-/// How many of the triangle's edges run against one of the sorted edges.
-int edges_along(const Triangle& t, std::span<const std::pair<int, int>> edges) {
+/// Whether several of the triangle's edges run against one of the sorted edges.
+bool has_edges_along(const Triangle& t, std::span<const std::pair<int, int>> edges) {
+  const auto begins = [&](int v) {  // two edges begin at two corners; most triangles' corners are on none
+    const auto edge = std::ranges::lower_bound(edges, std::pair(v, -1));
+    return edge != edges.end() && edge->first == v;
+  };
+  if (!begins(t[0]) && !begins(t[1])) return false;
   int along = 0;
   for (int c = 0; c < 3; ++c) along += std::ranges::binary_search(edges, std::pair(t[(c + 1) % 3], t[c]));
-  return along;
+  return along >= 2;
+}
+
+/// Whether x is in the triangle's box, widened by `reach`.
+bool is_near_box(const std::array<Vec3, 3>& corner, const Vec3& x, double reach) {
+  const auto& [a, b, c] = corner;
+  return (x.array() >= a.cwiseMin(b).cwiseMin(c).array() - reach).all() &&
+         (x.array() <= a.cwiseMax(b).cwiseMax(c).array() + reach).all();
 }
 
 /// Those of the triangles that come within `reach` of the box around some points.
@@ -69,7 +81,8 @@ std::vector<Triangle> away_from_kept(const LocalIsosurface& iso, const TriangleM
     near[v] = bins.any_near(iso.position[v], [&](int t) {
       const auto& [a, b, c] = mesh.triangles[t];
       const std::array<Vec3, 3> at{mesh.position[a], mesh.position[b], mesh.position[c]};
-      return (nearest_on_triangle(at, iso.position[v]).point - iso.position[v]).norm() <= gap &&
+      return is_near_box(at, iso.position[v], gap) &&
+             (nearest_on_triangle(at, iso.position[v]).point - iso.position[v]).norm() <= gap &&
              twice_area_vector(at[0], at[1], at[2]).normalized().dot(normal) > kSameSide;
     });
   });
@@ -143,7 +156,7 @@ Obstacles smooth_rim(const TriangleMesh& mesh, Hole& hole) {
     pinched = rim.pinched;
     const std::vector<std::pair<int, int>> edges = edges_of(rim.loops);
     const auto moved = std::stable_partition(hole.kept.begin(), hole.kept.end(), [&](int t) {
-      return !has_vertex(mesh.triangles[t], rim.pinched) && edges_along(mesh.triangles[t], edges) < 2;
+      return !has_vertex(mesh.triangles[t], rim.pinched) && !has_edges_along(mesh.triangles[t], edges);
     });
     if (moved == hole.kept.end()) break;
     hole.removed.insert(hole.removed.end(), moved, hole.kept.end());
