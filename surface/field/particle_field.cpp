@@ -12,6 +12,7 @@
 #include "surface/field/field_slab.h"
 #include "surface/field/jet_sums.h"
 #include "surface/field/strain_sums.h"
+#include "surface/field/stray_particles.h"
 
 namespace kappaflow {
 
@@ -38,7 +39,8 @@ void check(const FieldParticles& p) {
 ParticleField::ParticleField(const FieldParticles& particles, double threshold, double time)
     : threshold_(threshold), time_(time), cloud_speed_(particles.cloud_speed) {
   check(particles);
-  set_particles(particles);
+  const std::optional<FieldParticles> kept = without_strays(particles, threshold);
+  set_particles(kept ? *kept : particles);
 }
 
 void ParticleField::set_particles(const FieldParticles& p) {

@@ -1,0 +1,83 @@
+// Particles that fly off: they change no surface, and cost nothing.
+#include "surface/field/stray_particles.h"
+
+#include <gtest/gtest.h>
+
+#include "surface/mesh/isosurface.h"
+#include "surface/mesh/mesh_measures.h"
+#include "tests/surface/field/random_particles.h"
+
+namespace kappaflow {
+namespace {
+
+constexpr double kSigma = 2, kThreshold = 3;
+
+/// A cube of particles one apart at the corner `at`.
+void add_cube(FieldParticles& particles, const Vec3& at, int side, double sigma = kSigma) {
+  for (int n = 0; n < side * side * side; ++n) {
+    particles.position.push_back(at + Vec3(n % side, n / side % side, n / side / side));
+    particles.velocity.push_back(Vec3::Zero());
+    particles.sigma.push_back(sigma);
+    particles.weight.push_back(1);
+    particles.weight_rate.push_back(0);
+  }
+}
+
+FieldParticles kept_of(const FieldParticles& particles, double threshold) {
+  return without_strays(particles, threshold).value_or(FieldParticles());
+}
+
+TEST(StrayParticles, AreThoseWithoutASurface) {
+  FieldParticles body;
+  add_cube(body, Vec3::Zero(), 5);
+  EXPECT_FALSE(without_strays(body, kThreshold).has_value()) << "they are near each other";
+  FieldParticles with = body;
+  add_cube(with, Vec3(1000, 0, 0), 1);
+  add_cube(with, Vec3(-1e9, 1e9, 0), 1);
+  add_cube(with, Vec3(0, 2e3, 0), 2);  // eight together have one
+  const FieldParticles kept = kept_of(with, kThreshold);
+  ASSERT_EQ(kept.position.size(), 133u);
+  EXPECT_EQ(kept.position.back(), Vec3(1, 2001, 1));
+  EXPECT_EQ(kept_of(with, 0.5).position.size(), with.position.size()) << "each has a surface of its own";
+}
+
+// The bound takes whole cells: a particle may be kept for nothing, and never be left out wrongly.
+TEST(StrayParticles, OnlyThoseAreLeftOutWhoseFieldIsNegativeEverywhere) {
+  std::mt19937 random(3);
+  FieldParticles spray;
+  for (int n = 0; n < 300; ++n) add_cube(spray, testing::random_vector(random, 60), n % 3 == 0 ? 2 : 1);
+  add_cube(spray, Vec3(1e4, 0, 0), 1);
+  const FieldParticles kept = kept_of(spray, kThreshold);
+  EXPECT_LT(kept.position.size(), spray.position.size());
+  const auto direct = [&](const FieldParticles& particles, const Vec3& x) {
+    double f = -kThreshold;
+    for (std::size_t i = 0; i < particles.position.size(); ++i)
+      f += std::pow(std::max(0.0, 1 - (x - particles.position[i]).squaredNorm() / (kSigma * kSigma)), 3);
+    return f;
+  };
+  int inside = 0;
+  for (int n = 0; n < 20000; ++n) {
+    const Vec3 x = spray.position[n % spray.position.size()] + testing::random_vector(random, 2);
+    const double f = direct(spray, x), of_kept = direct(kept, x);
+    EXPECT_EQ(f >= 0, of_kept >= 0);
+    if (f < 0) continue;
+    EXPECT_EQ(f, of_kept) << "at " << x.transpose();
+    ++inside;
+  }
+  EXPECT_GT(inside, 20);
+}
+
+TEST(StrayParticles, TheSurfaceIsWhatItWasAndItsLatticeAsSmall) {
+  FieldParticles body;
+  add_cube(body, Vec3::Zero(), 6);
+  FieldParticles with = body;
+  add_cube(with, Vec3(1e9, 5, 5), 1);
+  const ParticleField field(body, kThreshold, 0), far(with, kThreshold, 0);
+  EXPECT_EQ(far.bounds().upper, field.bounds().upper);
+  const TriangleMesh mesh = extract_isosurface(far, 0.5);
+  EXPECT_EQ(mesh.position, extract_isosurface(field, 0.5).position);
+  EXPECT_EQ(mesh_topology(mesh.position, mesh.triangles).components, 1);
+}
+
+}  // namespace
+}  // namespace kappaflow
