@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "solver/emitter.h"
+#include "tools/experiments/falling_layers.h"
 #include "tools/experiments/slender_thread.h"
 #include "tools/experiments/validation.h"
 #include "tools/io/files.h"
@@ -44,26 +45,6 @@ struct Regime {
 constexpr std::array kRegimes{Regime{"viscous", 0.1, 1.0, 1.4, 2.6},
                               Regime{"gravitational", 0.05, 9.81, 1.1, 1.8}};
 
-/// The particles of an emitter by the layers in which it made them.
-class ThreadLayers {
- public:
-  ThreadLayers(const FluidSolver& liquid, std::size_t size) : particles_(liquid.particles()), size_(size) {}
-
-  std::size_t count() const { return particles_.size() / size_; }
-  Vec3 center(std::size_t layer) const { return mean(particles_.position, layer); }
-  double speed(std::size_t layer) const { return mean(particles_.velocity, layer).norm(); }
-
- private:
-  Vec3 mean(const std::vector<Vec3>& values, std::size_t layer) const {
-    Vec3 sum = Vec3::Zero();
-    for (std::size_t i = layer * size_; i < (layer + 1) * size_; ++i) sum += values[i];
-    return sum / static_cast<double>(size_);
-  }
-
-  Particles particles_;
-  std::size_t size_;
-};
-
 struct CoilingResult {
   const Regime* regime;
   double spacing;
@@ -83,14 +64,11 @@ class CoilWatch {
   CoilWatch(const Scene& scene, std::size_t layer) : emitter_(scene.fluid.emitters.front()), layer_(layer) {}
 
   void look(const FluidSolver& liquid) {
-    const ThreadLayers layers(liquid, layer_);
-    // From the mouth down: where the axis crosses the middle of the fall, and where the thread has come to
-    // rest.
-    std::size_t k = layers.count() - 1;
-    while (k > 0 && layers.center(k).y() > 0.45 * emitter_.position.y()) --k;
-    const Vec3 axis = layers.center(k);
-    while (k > 0 && layers.speed(k) > emitter_.speed / 2) --k;
+    const FallingLayers layers(liquid, layer_);
+    const std::size_t middle = layers.first_below(kMiddle * emitter_.position.y(), layers.count() - 1);
+    const std::size_t k = layers.first_slower(kAtRest * emitter_.speed, middle);
     if (k < kLaid) return;
+    const Vec3 axis = layers.center(middle);
     const double angle = std::atan2(axis.z(), axis.x());
     if (!turned_.empty()) angle_ += std::remainder(angle - last_, 2 * std::numbers::pi);
     last_ = angle;
@@ -111,6 +89,8 @@ class CoilWatch {
 
  private:
   static constexpr std::size_t kLaid = 10;  // layers
+  static constexpr double kMiddle = 0.45;   // of the mouth's height
+  static constexpr double kAtRest = 0.1;    // of the mouth's speed
 
   Emitter emitter_;
   std::size_t layer_;

@@ -13,6 +13,7 @@
 #include "tools/experiments/dam_break.h"
 #include "tools/experiments/enright.h"
 #include "tools/experiments/fig9.h"
+#include "tools/experiments/folding.h"
 #include "tools/experiments/gravity_current.h"
 #include "tools/experiments/hydrostatic.h"
 #include "tools/experiments/minimiser_comparison.h"
@@ -134,6 +135,8 @@ std::span<const Experiment> experiments() {
                  validate_gravity_current},
       Experiment{"validate-coiling", "experiments/validate-coiling.toml",
                  "a thread coils on a plate: frequency of a slender thread (Ribe 2004)", validate_coiling},
+      Experiment{"validate-folding", "experiments/validate-folding.toml",
+                 "a strip folds on a plate: frequency of a slender strip (Ribe 2003)", validate_folding},
       Experiment{"validate-drop", "experiments/validate-drop.toml",
                  "a spinning drop: linear and angular momentum", validate_drop},
       Experiment{"validate-basin", "experiments/validate-basin.toml",

@@ -265,6 +265,13 @@ TEST_F(QuickExperiment, ValidateCoiling) {
               0.5e-3);
 }
 
+TEST_F(QuickExperiment, ValidateFolding) {
+  run("validate-folding");
+  ASSERT_EQ(rows_.size(), 1u);  // the gravitational regime, three particles in the strip's thickness
+  EXPECT_LT(std::abs(std::stod(rows_[0].at("frequency_error"))), 0.15);
+  EXPECT_LT(std::stod(rows_[0].at("out_of_plane")), 0.3);
+}
+
 class ExperimentCommand : public Scratch {};
 
 TEST_F(ExperimentCommand, MistakesAreOneLine) {
