@@ -191,7 +191,7 @@ FluidStep FluidSolver::step(double time_left) {
   const PressureSolve density =
       s.pressure.correct_density(s.particles, s.neighbours, s.wall_sums, dt,
                                  thick ? s.particles.least_pressure : std::span<const float>());
-  if (thick) s.viscous_pressure.correct(s.particles, s.wall_sums);
+  if (thick) s.viscous_pressure.correct(s.particles);
   done.density_iterations = density.iterations;
   done.seconds.density = watch.lap();
   s.check_finite();

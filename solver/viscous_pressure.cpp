@@ -15,8 +15,9 @@ constexpr double kThick = 36;
 // Up to here the pressure takes the whole correction in one step, beyond in several: what the viscous solve
 // leaves unsolved would count as compression.
 constexpr double kMostThick = 100;
-// A row of single particles, which has less than this of the rest density, carries no tension.
-constexpr float kLeastDensity = 0.5f;
+// With fewer neighbours a particle is loose. Rows of single particles carry no tension; and two or three that
+// pulled at each other alone would fall into a point, where nothing tells them from dense liquid.
+constexpr float kLeastNeighbours = 6;
 // Smallest share with which a thread of four particles across can be drawn out to a quarter of its section.
 constexpr float kSpread = 0.01f;
 
@@ -24,6 +25,19 @@ constexpr float kSpread = 0.01f;
 Wide crowding(const Wide& q) {
   const Wide outer = (2 - q).max(0.0f), inner = (1 - q).max(0.0f);
   return (outer.cube() - 4 * inner.cube()).square().square();
+}
+
+bool is_loose(std::size_t i, const NeighbourLists& lists) {
+  Wide sum = Wide::Zero();
+  for (const PairBlock& block : lists.of(i)) sum += block.present();
+  return sum.sum() < kLeastNeighbours;
+}
+
+/// Whether a neighbour is loose, which position.w tells.
+bool is_beside_loose(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists) {
+  Wide sum = Wide::Zero();
+  for (const PairBlock& block : lists.of(i)) sum += block.present() * gather(particles.position, block).w;
+  return sum.sum() > 0;
 }
 
 }  // namespace
@@ -63,22 +77,24 @@ void ViscousPressure::spread(FluidParticles& particles, const NeighbourLists& li
   });
 }
 
-void ViscousPressure::measure(const FluidParticles& particles, const NeighbourLists& lists,
-                              const WallSums& walls) {
+void ViscousPressure::measure(FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls) {
   correction_.resize(particles.size());
+  pulls_.resize(particles.size());
+  parallel_for(particles.size(),
+               [&](std::size_t i) { particles.position[i][3] = is_loose(i, lists) ? 1.0f : 0.0f; });
   parallel_for(particles.size(), [&](std::size_t i) {
     const float resistance = resistance_[particles.fluid[i]];
     const bool free = resistance > 0 && particles.led_by[i] == 0 && !walls.touches(i);
     correction_[i] = free ? resistance * density_rate(i, particles, lists, particles.velocity) : 0;
+    pulls_[i] = free && particles.position[i][3] == 0 && !is_beside_loose(i, particles, lists);
   });
 }
 
-void ViscousPressure::correct(FluidParticles& particles, const WallSums& walls) const {
+void ViscousPressure::correct(FluidParticles& particles) const {
   parallel_for(particles.size(), [&](std::size_t i) {
     float &kappa = particles.density_pressure[i], &least = particles.least_pressure[i];
     const bool presses = kappa > least;
-    const bool pulls = particles.led_by[i] == 0 && !walls.touches(i) && particles.density[i] >= kLeastDensity;
-    least = pulls ? std::min(0.0f, least + correction_[i]) : 0;
+    least = pulls_[i] ? std::min(0.0f, least + correction_[i]) : 0;
     // A particle that does not press keeps its tension: the next density solve lowers it as far as it takes
     // to bring the liquid back to rest density, which closes the gaps between particles.
     kappa = std::max(least, presses ? kappa + correction_[i] : std::min(kappa, 0.0f));

@@ -27,8 +27,9 @@ bool is_thick(double viscosity, const FluidOptions& options);
 /// The same rule lets kappa fall below 0 where liquid is pulled: without tension a thread would keep its
 /// radius as it is stretched, until its particles lose each other (Trouton, 1906: kappa = -nu times the rate
 /// of stretching). FluidParticles::least_pressure is how low; the density solve keeps to it. It is 0, as in
-/// thin liquid, at walls, in emitters, and where particles are few. Pulled particles that come close to each
-/// other across the thread part (spread()), so that they find room along it.
+/// thin liquid, at walls, in emitters, and for particles that are loose (with few neighbours) or beside one
+/// that is, which they would draw in within a step. Pulled particles that come close to each other across the
+/// thread part (spread()), so that they find room along it.
 ///
 /// Only for fluids that are thick.
 class ViscousPressure {
@@ -42,19 +43,21 @@ class ViscousPressure {
   /// with t the negative of the least kappa (Monaghan, "SPH without a tensile instability", 2000).
   void spread(FluidParticles& particles, const NeighbourLists& lists, float time_step) const;
 
-  /// Notes kBulk nu D v. Precondition: the velocities are those that the viscous solve has left.
-  void measure(const FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls);
+  /// Notes kBulk nu D v, and which particles may pull. Precondition: the velocities are those that the
+  /// viscous solve has left. Overwrites position.w.
+  void measure(FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls);
 
   /// density_pressure and least_pressure of the density solve -> those of the next step.
-  void correct(FluidParticles& particles, const WallSums& walls) const;
+  void correct(FluidParticles& particles) const;
 
-  std::size_t bytes() const { return bytes_of(correction_); }
+  std::size_t bytes() const { return bytes_of(correction_, pulls_); }
 
  private:
   float spacing_;
   bool needed_ = false;
   std::vector<float> resistance_;  // by fluid: kBulk nu, 0: thin [m2/s]
   std::vector<float> correction_;  // by particle [m2/s2]
+  std::vector<char> pulls_;        // by particle
 };
 
 }  // namespace kappaflow

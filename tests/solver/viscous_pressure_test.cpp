@@ -103,6 +103,23 @@ TEST(ViscousPressure, TensionKeepsMomentum) {
   EXPECT_LT((after.second - before.second).norm(), 1e-4 * 5e-3 * before.first.norm());
 }
 
+// Three particles apart from the rest, driven from each other, have nothing to pull at. With tension they
+// came together, and after some time lay in a point, at a pressure that shot them away.
+TEST(ViscousPressure, LooseParticlesDoNotFallIntoAPoint) {
+  FluidOptions o = thick_liquid();
+  o.gravity.setZero();
+  const double edge = 0.8 * o.spacing;
+  const std::vector<Vec3> corners{{0, 0, 0}, {edge, 0, 0}, {edge / 2, std::sqrt(0.75) * edge, 0}};
+  const Vec3 middle = (corners[0] + corners[1] + corners[2]) / 3;
+  std::vector<Vec3> velocity;
+  for (const Vec3& x : corners) velocity.push_back(100 * (x - middle));
+  FluidSolver solver(o, corners, velocity, {});
+  for (int k = 0; k < 40; ++k) solver.step(1e3);
+  const Particles p = solver.particles();
+  for (std::size_t a = 0; a < 3; ++a)
+    EXPECT_GE((p.position[a] - p.position[(a + 1) % 3]).norm(), 0.999 * edge);
+}
+
 TEST(ViscousPressure, IsForThickLiquidAlone) {
   FluidOptions o = thick_liquid();
   EXPECT_TRUE(ViscousPressure(o).needed());
