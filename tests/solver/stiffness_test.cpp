@@ -19,6 +19,8 @@ struct Case {
   double edge() const { return 4 * spacing; }
   double speed() const { return std::sqrt(kGravity * edge()); }
   double time() const { return std::sqrt(edge() / kGravity); }
+  /// Momentum does not cross a spacing in a unit of time.
+  bool is_thin() const { return viscosity * time() < spacing * spacing; }
 };
 
 void PrintTo(const Case& c, std::ostream* out) {
@@ -80,11 +82,31 @@ class Stiffness : public testing::TestWithParam<Case> {
   }
 };
 
-// Thin liquid takes longer to settle.
+// Thin liquid does not settle, see below.
 TEST_P(Stiffness, RestsInAContainer) {
-  if (GetParam().viscosity < 1e-2 * GetParam().speed() * GetParam().edge()) return;
+  if (GetParam().is_thin()) return;
   FluidSolver solver = cube(Vec3::Zero(), Vec3::Zero(), scaled(test::container(1, 1.5, 0.6)));
   EXPECT_LT(run(solver, 6, 3), 0.02);
+}
+
+// The lattice is not quite at rest between irregular walls, and what moves then is stopped by viscosity in
+// spacing^2 / viscosity: hours in water of this size. Until then particles tremble with what a fall by two
+// percent of a spacing gives, and nothing adds to that.
+TEST_P(Stiffness, TremblesInAContainerNoMoreThanAtTheStart) {
+  const Case c = GetParam();
+  if (!c.is_thin()) return;
+  FluidSolver solver = cube(Vec3::Zero(), Vec3::Zero(), scaled(test::container(1, 1.5, 0.6)));
+  const auto largest_until = [&](double end) {
+    double largest = 0;
+    while (solver.time() < end * c.time()) {
+      solver.step(end * c.time() - solver.time());
+      largest = std::max(largest, energy(solver).kinetic);
+    }
+    return largest;
+  };
+  const double first = largest_until(6), then = largest_until(12);
+  EXPECT_LT(first, 0.02 * kGravity * c.spacing);
+  EXPECT_LT(then, first);
 }
 
 // Where creep would be slower than that.
