@@ -218,8 +218,9 @@ std::string walls_elements(const RunFrames& frames, Json::Value& header) {
 std::string surface_elements(const RunFrames& frames, const PageRanges& ranges) {
   std::string elements;
   std::vector<SurfacePacker> packers(frames.methods().size());
+  const WorkProgress progress("packing frame", frames.count());
   for (int frame = 0; frame < frames.count(); ++frame) {
-    draw_status_line(fmt::format("packing frame {}/{}", frame, frames.count() - 1));
+    progress.show(frame);
     for (std::size_t m = 0; m < packers.size(); ++m) {
       const auto surface = frames.surface(frames.methods()[m], frame);
       elements +=
@@ -287,7 +288,6 @@ std::string write_page(const PageOptions& options) {
   Json::Value header = header_json(frames, ranges);
   const std::string data = walls_elements(frames, header) + surface_elements(frames, ranges),
                     run = element_text(header), title = html_text(run_title(frames.record()));
-  draw_status_line("");
   const std::string page = filled(
       kPageTemplate,
       {{"title", title}, {"style", kPageStyle}, {"run", run}, {"data", data}, {"script", kPageScript}});

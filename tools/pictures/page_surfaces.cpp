@@ -131,8 +131,9 @@ PageRanges page_ranges(const RunFrames& frames) {
   std::vector<ColouredArray> fields;
   for (const char* array : kColoured) fields.push_back({array});
   std::vector<vtkSmartPointer<vtkPolyData>> surfaces;
+  const WorkProgress progress("reading frame", frames.count());
   for (int frame = 0; frame < frames.count(); ++frame) {
-    draw_status_line(fmt::format("reading frame {}/{}", frame, frames.count() - 1));
+    progress.show(frame);
     surfaces.clear();
     for (const std::string& method : frames.methods()) surfaces.push_back(frames.surface(method, frame));
     for (const auto& surface : surfaces) widen(ranges, fields, *surface);

@@ -35,6 +35,11 @@ void draw_status_line(const std::string& text) {
   std::fflush(stderr);
 }
 
+std::string work_line(const std::string& what, int done, int count, double elapsed) {
+  const std::string left = done > 0 ? clock_time(elapsed * (count - done) / done) : "?";
+  return fmt::format("{} {} of {}  {} left", what, done + 1, count, left);
+}
+
 std::string progress_line(double done, double time, int frame, int frames, std::size_t steps, double elapsed,
                           const std::string& detail) {
   const auto filled = static_cast<std::size_t>(std::lround(done * kBarWidth));
@@ -56,6 +61,10 @@ void StatusLine::show(const std::string& text) {
   if (!is_due()) return;
   last_drawn_ = watch_.seconds();
   draw_status_line(text);
+}
+
+void WorkProgress::show(int done) {
+  if (line_.is_due()) line_.show(work_line(what_, done, count_, line_.seconds()));
 }
 
 Progress::Progress(double start, double end, int frames, bool enabled)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 
 #include "tools/runs/timings.h"
 
@@ -30,6 +31,24 @@ class StatusLine {
   Stopwatch watch_;
   double last_drawn_ = -1;  // [s] of watch_
 };
+
+/// How far work is that consists of so many pieces of about the same size, on such a line.
+class WorkProgress {
+ public:
+  WorkProgress(std::string what, int count, bool enabled = true)
+      : what_(std::move(what)), count_(count), line_(enabled) {}
+
+  /// Call before each piece; done: how many are.
+  void show(int done);
+
+ private:
+  std::string what_;
+  int count_;
+  StatusLine line_;
+};
+
+/// The line itself. elapsed: wall time so far [s].
+std::string work_line(const std::string& what, int done, int count, double elapsed);
 
 /// How far a run is, on such a line.
 class Progress {

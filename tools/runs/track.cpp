@@ -71,9 +71,9 @@ TrackSetup make_setup(const TrackOptions& options, const ParticleSequence& seque
   setup.field = field_options(surface, first.position, first.scale);
   surface.edge_length = options.edge_length ? *options.edge_length / setup.field.sigma : kEdgeLength;
   if (surface.edge_length < kFinestEdge || surface.edge_length > kCoarsestEdge)
-    throw InvalidInput(fmt::format("--edge: found {:.4g} m; expected {:.4g} to {:.4g} m, which is {} to {} sigma",
-                                   *options.edge_length, kFinestEdge * setup.field.sigma,
-                                   kCoarsestEdge * setup.field.sigma, kFinestEdge, kCoarsestEdge));
+    throw InvalidInput(fmt::format(
+        "--edge: found {:.4g} m; expected {:.4g} to {:.4g} m, which is {} to {} sigma", *options.edge_length,
+        kFinestEdge * setup.field.sigma, kCoarsestEdge * setup.field.sigma, kFinestEdge, kCoarsestEdge));
   return setup;
 }
 
@@ -153,10 +153,8 @@ RunSettings settings_for(const TrackOptions& options, const ParticleSequence& se
 /// Reads and checks all files, and says so from the first second on.
 ParticleSequence read_sequence(const FileSeries& series, const TrackOptions& options,
                                std::optional<double> frames_per_second) {
-  StatusLine status(!options.quiet);
-  return {series, frames_per_second, [&](std::size_t file) {
-            status.show(fmt::format("checking file {} of {}", file + 1, series.files.size()));
-          }};
+  WorkProgress progress("checking file", static_cast<int>(series.files.size()), !options.quiet);
+  return {series, frames_per_second, [&](std::size_t file) { progress.show(static_cast<int>(file)); }};
 }
 
 SequenceFrames first_frame(ParticleSequence& sequence, const SurfaceOptions& surface,
