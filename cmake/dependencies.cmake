@@ -42,7 +42,7 @@ kappaflow_check("the extensions of cmark-gfm" 0.29 libcmark-gfm-extensions-dev "
 kappaflow_needs(X11 1.8 libx11-dev)  # to ask for a display before VTK's rendering aborts without one
 kappaflow_needs(VTK 9.1 libvtk9-dev COMPONENTS
                 CommonColor CommonCore CommonDataModel FiltersCore IOCore IOGeometry IOLegacy IOXML IOImage jsoncpp
-                RenderingAnnotation RenderingCore RenderingOpenGL2 RenderingFreeType)
+                RenderingCore RenderingOpenGL2 RenderingFreeType)
 if(KAPPAFLOW_TESTS)
   kappaflow_needs(GTest 1.12 libgtest-dev)
 endif()

@@ -19,7 +19,7 @@ constexpr double kNear = 0.25;          // distance from a plane in cubes that c
 constexpr int kFacingPower = 8;         // of the normal's component: what faces along the axis counts
 
 // In [0, 1), the same for a cube at every call, and simple enough for shaders:
-// tools/pictures/cube_colour.glsl does the same.
+// tools/pictures/texture_colours.glsl does the same.
 double cube_hash(const std::array<int, 3>& cube) {
   std::uint32_t bits = static_cast<std::uint32_t>(cube[0]) * 73856093u ^
                        static_cast<std::uint32_t>(cube[1]) * 19349663u ^

@@ -18,6 +18,12 @@ inline constexpr Named<TextureProjection> kTextureProjections[] = {
     {"spherical", TextureProjection::spherical},
     {"box", TextureProjection::box}};
 
+/// As scenes and run.json have them.
+inline constexpr Named<TextureProjection> kTextureProjections[] = {
+    {"planar", TextureProjection::planar},
+    {"spherical", TextureProjection::spherical},
+    {"box", TextureProjection::box}};
+
 using Rgb = std::array<std::uint8_t, 3>;
 
 /// A solid checker: space cut into cubes.

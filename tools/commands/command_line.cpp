@@ -182,13 +182,29 @@ std::array<int, 2> panel_size(const std::vector<double>& pixels) {
   return size;
 }
 
+FrameSpan frame_span(std::string_view word) {
+  const std::size_t colon = std::min(word.find(':'), word.size() - 1);
+  const auto first = parse_number<int>(word.substr(0, colon)),
+             last = parse_number<int>(word.substr(colon + 1));
+  if (!first || !last || *first < 0 || *first > *last)
+    throw CLI::ValidationError(
+        "--frames", fmt::format("found \"{}\"; expected A:B, the numbers of a first and a last frame", word));
+  return {*first, *last};
+}
+
 void add_render(CLI::App& app, CommandLine& line) {
   CLI::App* render = app.add_subcommand("render", "Draw the surfaces of a run side by side");
   render->add_option("DIR", line.render.folder, "Run folder")->required();
-  render->add_option("--out", line.render.out,
-                     "Picture (.png) or film (.mp4, by ffmpeg) (default: film.mp4 in the run folder)");
+  render->add_option(
+      "--out", line.render.out,
+      "Picture (.png) or film (.mp4, .gif, .webp, by ffmpeg) (default: film.mp4 in the run folder)");
   render->add_option("--frame", line.render.frame, "Frame of a picture (default: the last one)")
       ->check(whole_number(0, 9999999));
+  render
+      ->add_option_function<std::string>(
+          "--frames", [&line](const std::string& word) { line.render.frames = frame_span(word); },
+          "Frames of a film, the first and the last (default: all)")
+      ->type_name("A:B");
   add_positive(*render, "--fps", line.render.frames_per_second,
                "Frames a second of a film (default: as fast as the liquid moves)");
   add_methods(*render, "--methods", line.render.methods, "Methods to draw (default: those of the run)");
@@ -196,8 +212,9 @@ void add_render(CLI::App& app, CommandLine& line) {
       ->check(whole_number(1, 100));
   render->add_option(
       "--colour", line.render.colour,
-      "What colours the surfaces: checker, or any point array of theirs, vectors by their length "
-      "(default: checker)");
+      "What colours the surfaces: checker, stripes, grid, an image (.png, .jpg), any point array of theirs, "
+      "vectors by their length, or emission_time (default: checker; source or emission_time where liquid "
+      "flows in)");
   add_numbers(
       *render, "--range", "LOW,HIGH", 2,
       [&line](const std::vector<double>& ends) {

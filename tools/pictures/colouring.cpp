@@ -68,7 +68,8 @@ std::string title_of(const std::string& array, bool vectors) {
       {"gaussian_curvature", {"Gaussian curvature", "1/m\u00b2"}},
       {"rest_position", {"distance of the rest position from the origin", "m"}},
       {"confidence", {"confidence in the tangential velocity", ""}},
-      {"source", {"where the liquid comes from", ""}}};
+      {"source", {"where the liquid comes from", ""}},
+      {"emission_time", {"when the liquid came", "s"}}};
   const auto known = kWords.find(array);
   if (known == kWords.end()) return fmt::format("{}{}", vectors ? "length of " : "", array);
   const auto& [text, unit] = known->second;

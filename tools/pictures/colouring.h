@@ -1,4 +1,4 @@
-// What colours the surfaces of pictures: the checker, or the numbers of any point array.
+// Surfaces of pictures coloured by the numbers of a point array.
 #pragma once
 
 #include <vtkLookupTable.h>
@@ -9,8 +9,6 @@
 #include <string>
 
 namespace kappaflow {
-
-inline constexpr const char* kCheckerArray = "checker";  ///< holds colours as they are
 
 /// Numbers as colours, the same in all panels and frames.
 struct Colouring {

@@ -13,9 +13,24 @@ std::filesystem::path pictures_folder(const std::filesystem::path& film);
 /// The picture of a frame in the folder of a film's pictures.
 std::filesystem::path film_picture(const std::filesystem::path& folder, int frame);
 
-/// Makes a film (.mp4, H.264) of the pictures film_picture(folder, 0) ... film_picture(folder, frames - 1).
-/// The file is complete or absent. Throws IoError, e.g. where ffmpeg is not installed.
-void make_film(const std::filesystem::path& film, const std::filesystem::path& folder, int frames,
-               double frames_per_second);
+/// Removes the pictures of other frames from the folder, such as those of a longer film before. Throws
+/// IoError.
+void remove_other_pictures(const std::filesystem::path& folder, int first, int last);
+
+/// Whether the file's name is that of a film: .mp4 (H.264, which browsers play), or .gif or .webp, which run
+/// for ever in a page.
+bool is_film(const std::filesystem::path& file);
+
+/// The frames of a film.
+struct FilmFrames {
+  int first, count;
+  double per_second;
+};
+
+/// Makes a film of the pictures film_picture(folder, first) ... film_picture(folder, first + count - 1). The
+/// file is complete or absent. Throws IoError, e.g. where ffmpeg is not installed. Precondition:
+/// is_film(film).
+void make_film(const std::filesystem::path& film, const std::filesystem::path& folder,
+               const FilmFrames& frames);
 
 }  // namespace kappaflow

@@ -12,6 +12,7 @@
 #include "scenes/view.h"
 #include "tools/pictures/colouring.h"
 #include "tools/pictures/framing.h"
+#include "tools/pictures/solid_texture.h"
 
 namespace kappaflow {
 
@@ -27,7 +28,8 @@ struct PictureStyle {
   int panel_width = 900, panel_height = 800;  ///< [pixels]
   bool edges = false;                         ///< draw the triangles' edges
   View view{};
-  std::optional<Colouring> colouring{};  ///< of the surfaces; none: the checker
+  SolidTexture texture{};                ///< of the surfaces
+  std::optional<Colouring> colouring{};  ///< instead of the texture
 };
 
 /// What stands around the liquid; null: nothing.

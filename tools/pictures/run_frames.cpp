@@ -61,6 +61,12 @@ View RunFrames::view() const {
   return {vector(record_["view"]["from"]), vector(record_["view"]["up"])};
 }
 
+TextureProjection RunFrames::projection() const {
+  const std::string name = record_["texture"].asString();
+  const auto* const found = std::ranges::find(kTextureProjections, name, &Named<TextureProjection>::name);
+  return found == std::end(kTextureProjections) ? TextureProjection::box : found->value;
+}
+
 vtkSmartPointer<vtkPolyData> RunFrames::surface(const std::string& method, int frame) const {
   return read_surface(folder_ / surface_file(method, frame));
 }
@@ -68,6 +74,14 @@ vtkSmartPointer<vtkPolyData> RunFrames::surface(const std::string& method, int f
 vtkSmartPointer<vtkPolyData> RunFrames::walls(int frame) const {
   const fs::path moving = folder_ / boundary_file(frame);
   return fs::exists(moving) ? read_surface(moving) : walls_at_rest_;
+}
+
+bool RunFrames::has_particles() const {
+  return fs::exists(folder_ / particle_file(0)) && fs::exists(folder_ / particle_file(count_ - 1));
+}
+
+InputFrame RunFrames::particles(int frame) const {
+  return read_input_frame(folder_ / particle_file(frame));
 }
 
 bool RunFrames::walls_move() const {

@@ -13,6 +13,8 @@
 #include <vector>
 
 #include "scenes/view.h"
+#include "surface/measure/texture.h"
+#include "tools/io/input_frame.h"
 #include "tools/pictures/framing.h"
 
 namespace kappaflow {
@@ -27,13 +29,16 @@ class RunFrames {
   const std::filesystem::path& folder() const { return folder_; }
   const Json::Value& record() const { return record_; }
   const std::vector<std::string>& methods() const { return methods_; }
-  int count() const { return count_; }  ///< of the frames that every method has
-  View view() const;                    ///< of the scene, else the default
+  int count() const { return count_; }   ///< of the frames that every method has
+  View view() const;                     ///< of the scene, else the default
+  TextureProjection projection() const;  ///< of the scene's texture coordinates, else the default
 
   /// Throw IoError.
   vtkSmartPointer<vtkPolyData> surface(const std::string& method, int frame) const;
   vtkSmartPointer<vtkPolyData> walls(int frame) const;  ///< null: there are none
   bool walls_move() const;
+  bool has_particles() const;
+  InputFrame particles(int frame) const;  ///< throws InvalidInput too
 
  private:
   bool has_frame(int frame) const;

@@ -82,6 +82,7 @@ bool is_vector(const Json::Value& array) {
 /// As far as pictures need it.
 bool is_record(const Json::Value& record) {
   if (!record.isObject() || !record["methods"].isArray()) return false;
+  if (!record["texture"].isNull() && !record["texture"].isString()) return false;
   const Json::Value& view = record["view"];
   return std::ranges::all_of(record["methods"], [](const Json::Value& name) { return name.isString(); }) &&
          (view.isNull() || (view.isObject() && is_vector(view["from"]) && is_vector(view["up"])));
@@ -114,6 +115,7 @@ std::string run_record(const RunOptions& options, const Scene& scene, const Scen
   record["frames_per_second"] = scene.output.frames_per_second;
   record["view"]["from"] = list(scene.output.view.from);
   record["view"]["up"] = list(scene.output.view.up);
+  record["texture"] = std::string(name_of(kTextureProjections, scene.output.texture));
   return record_text(record);
 }
 

@@ -65,6 +65,7 @@ TEST_F(Render, DamagedFilesAreOneLine) {
     expect_refused(name, "");
   }
   expect_refused("run.json", "{\"methods\": [7]}");
+  expect_refused("run.json", "{\"methods\": [\"total\"], \"texture\": 7}");
   EXPECT_EQ(render({}).exit_code, 0);
 }
 
@@ -75,7 +76,7 @@ TEST_F(Render, WrongChoicesAreOneLine) {
             "kappaflow: error: " + folder.string() + " has no surface tracked with \"material\"\n");
   EXPECT_EQ(render({"--out", (folder / "a.jpg").string()}).err,
             "kappaflow: error: found \"" + (folder / "a.jpg").string() +
-                "\"; expected a file name that ends in .png or .mp4\n");
+                "\"; expected a file name that ends in .png, .mp4, .gif or .webp\n");
   EXPECT_EQ(
       render({"--colour", "speed"}).err,
       "kappaflow: error: the surface has no array \"speed\"; it has Normals, TCoords, checker, confidence, "
@@ -93,7 +94,19 @@ TEST_F(Render, WrongChoicesAreOneLine) {
             "kappaflow: error: --fit: found \"liquids\"; expected one of liquid, scene (did you mean "
             "\"liquid\"?); see "
             "kappaflow render --help\n");
-  EXPECT_EQ(render({"--fps", "10"}).err, "kappaflow: error: --fps is of films, whose names end in .mp4\n");
+  EXPECT_EQ(render({"--fps", "10"}).err,
+            "kappaflow: error: --fps is of films, whose names end in .mp4, .gif or .webp\n");
+  EXPECT_EQ(render({"--frames", "0:1"}).err,
+            "kappaflow: error: --frames is of films, whose names end in .mp4, .gif or .webp\n");
+  for (const char* span : {"1:0", "1", ":1", "0:", "-1:1", "a:b", "0:1:2", "", "0:99999999999"})
+    EXPECT_EQ(render({"--frames", span}).err, "kappaflow: error: --frames: found \"" + std::string(span) +
+                                                  "\"; expected A:B, the numbers of a first and a last "
+                                                  "frame; see kappaflow render --help\n");
+  EXPECT_EQ(render({"--frames", "1:7", "--out", (folder / "a.gif").string()}).err,
+            "kappaflow: error: " + folder.string() + " has frames 0 to 1, not 1:7\n");
+  EXPECT_EQ(render({"--colour", (folder / "none.jpg").string()}).err,
+            "kappaflow: error: " + (folder / "none.jpg").string() +
+                ": cannot be read (No such file or directory)\n");
   EXPECT_EQ(render({"--frame", "0", "--out", (folder / "a.mp4").string()}).err,
             "kappaflow: error: --frame is of pictures, whose names end in .png\n");
 }
@@ -130,6 +143,12 @@ TEST_F(Render, SourcesAreToldApart) {
   const std::string picture = (folder / "a.png").string();
   const ProgramResult result = run_program({"render", out, "--out", picture, "--colour", "source"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
+  const std::string chosen = bytes_of(picture);
+  ASSERT_EQ(run_program({"render", out, "--out", picture}).exit_code, 0);
+  EXPECT_EQ(bytes_of(picture), chosen) << "as by default: several sources flow";
+  ASSERT_EQ(run_program({"render", out, "--out", picture, "--colour", "emission_time"}).exit_code, 0);
+  EXPECT_NE(bytes_of(picture), chosen);
+  ASSERT_EQ(run_program({"render", out, "--out", picture, "--colour", "source"}).exit_code, 0);
   const Image image(picture);
   int green = 0, orange = 0;
   for (int y = 150; y < 700; ++y)  // between colour bar and title
@@ -144,12 +163,31 @@ TEST_F(Render, SourcesAreToldApart) {
 /// Films with a program of that text in the place of ffmpeg.
 class Film : public Render {
  protected:
-  ProgramResult film(const std::string& ffmpeg) const {
+  ProgramResult film(const std::string& ffmpeg, const std::vector<std::string>& more = {}) const {
     const auto program = file("ffmpeg", "#!/bin/sh\n" + ffmpeg);
     std::filesystem::permissions(program, std::filesystem::perms::owner_all);
-    return run_program({"render", folder.string(), "--methods", "total", "--size", "300,260"},
-                       {"PATH=" + folder.string() + ":" + std::getenv("PATH")});
+    std::vector<std::string> words{"render", folder.string(), "--methods", "total", "--size", "300,260"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_program(words, {"PATH=" + folder.string() + ":" + std::getenv("PATH")});
   }
+  /// A film of both frames by the real ffmpeg.
+  std::string real_film(const char* name, const char* size) const {
+    const ProgramResult result = run_program({"render", folder.string(), "--methods", "total", "--size", size,
+                                              "--fps", "20", "--out", (folder / name).string()});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return bytes_of(folder / name);
+  }
+  /// What ffprobe says of a film's pictures: these values, a line each.
+  std::string probed(const char* name, const std::string& values) const {
+    const std::string out = (folder / "probed").string();
+    EXPECT_EQ(
+        std::system(("ffprobe -v error -count_frames -select_streams v:0 -show_entries stream=" + values +
+                     " -of default=nw=1:nk=1 '" + (folder / name).string() + "' >'" + out + "'")
+                        .c_str()),
+        0);
+    return bytes_of(out);
+  }
+  static bool has_ffmpeg() { return std::system("command -v ffmpeg >/dev/null") == 0; }
 };
 
 TEST_F(Film, GivesFfmpegAllFramesAtTheSpeedOfTheLiquid) {
@@ -160,11 +198,25 @@ TEST_F(Film, GivesFfmpegAllFramesAtTheSpeedOfTheLiquid) {
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const std::string film = (folder / "film.mp4").string();
   EXPECT_EQ(bytes_of(film),
-            "-nostdin -loglevel error -y -framerate 100 -i frame_%04d.png -frames:v 2 -c:v libx264 "
+            "-nostdin -loglevel error -y -framerate 100 -start_number 0 -i frame_%04d.png -frames:v 2 "
+            "-vf pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white -c:v libx264 "
             "-crf 18 -pix_fmt yuv420p -movflags +faststart -f mp4 " +
                 film + ".tmp\nframe_0000.png\nframe_0001.png\n");
   EXPECT_EQ(result.out, film + ": 2 frames, 100 a second; each of them as a picture in " +
                             (folder / "film").string() + "\n");
+}
+
+TEST_F(Film, IsOfTheFramesThatAreAskedFor) {
+  file("film.mp4", "the one before");
+  std::filesystem::create_directory(folder / "film");
+  file("film/frame_0000.png", "of a longer film before");
+  const ProgramResult result =
+      film("for last; do :; done; echo \"$@\" > \"$last\"; ls >> \"$last\"\n", {"--frames", "1:1"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const std::string film = bytes_of(folder / "film.mp4");
+  EXPECT_NE(film.find(" -start_number 1 -i frame_%04d.png -frames:v 1 "), std::string::npos) << film;
+  EXPECT_TRUE(film.ends_with("film.mp4.tmp\nframe_0001.png\n")) << film;
+  EXPECT_EQ(result.out.find((folder / "film.mp4").string() + ": 1 frames, "), 0u) << result.out;
 }
 
 // The folder of its name is the run's own, one of those in it, or somebody else's.
@@ -223,14 +275,74 @@ TEST_F(Render, FitsTheLiquidOrTheScene) {
   EXPECT_GT(liquid, 5 * scene);
 }
 
-TEST_F(Film, IsAFilm) {
-  if (std::system("command -v ffmpeg >/dev/null") != 0) GTEST_SKIP() << "ffmpeg is not installed";
-  const auto film = folder / "a.mp4";
-  const ProgramResult result =
-      run_program({"render", folder.string(), "--out", film.string(), "--fps", "7.5"});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_EQ(bytes_of(film).substr(4, 4), "ftyp");
+TEST_F(Film, IsAFilmThatBrowsersPlay) {
+  if (!has_ffmpeg()) GTEST_SKIP() << "ffmpeg is not installed";
+  const std::string film = real_film("a.mp4", "301,261");
+  EXPECT_EQ(film.substr(4, 4), "ftyp");
+  EXPECT_LT(film.find("moov"), film.find("mdat")) << "begins before all of it is there";
+  EXPECT_EQ(probed("a.mp4", "codec_name,width,height,pix_fmt,r_frame_rate,nb_read_frames"),
+            "h264\n302\n262\nyuv420p\n20/1\n2\n");
   EXPECT_TRUE(std::filesystem::exists(folder / "a/frame_0001.png"));
+}
+
+TEST_F(Film, IsAGif) {
+  if (!has_ffmpeg()) GTEST_SKIP() << "ffmpeg is not installed";
+  const std::string film = real_film("a.gif", "301,261");
+  EXPECT_EQ(film.substr(0, 6), "GIF89a");
+  EXPECT_NE(film.find("NETSCAPE2.0"), std::string::npos) << "for ever";
+  EXPECT_EQ(probed("a.gif", "codec_name,width,height,r_frame_rate,nb_read_frames"),
+            "gif\n301\n261\n20/1\n2\n");
+}
+
+// From its chunks, for not every ffprobe reads moving ones.
+TEST_F(Film, IsAMovingWebp) {
+  if (!has_ffmpeg()) GTEST_SKIP() << "ffmpeg is not installed";
+  const std::string film = real_film("a.webp", "301,261");
+  const auto number = [&](std::size_t at, int bytes) {
+    std::size_t value = 0;
+    for (int k = bytes; k-- > 0;) value = 256 * value + static_cast<unsigned char>(film.at(at + k));
+    return value;
+  };
+  ASSERT_EQ(film.substr(0, 4) + film.substr(8, 8), "RIFFWEBPVP8X");
+  EXPECT_EQ(number(4, 4) + 8, film.size());
+  EXPECT_EQ(number(24, 3) + 1, 301u);
+  EXPECT_EQ(number(27, 3) + 1, 261u);
+  std::vector<std::size_t> milliseconds;
+  for (std::size_t at = 12; at < film.size(); at += 8 + (number(at + 4, 4) + 1) / 2 * 2)
+    if (film.substr(at, 4) == "ANMF") milliseconds.push_back(number(at + 20, 3));
+  EXPECT_EQ(milliseconds, (std::vector<std::size_t>{50, 50}));
+}
+
+// Pictures overlay: what is no liquid is the same, and liquid is in the same place.
+TEST_F(Render, TheCameraIsTheSameWhateverIsColoured) {
+  const auto drawn = [&](const char* name, const std::vector<std::string>& more) {
+    std::vector<std::string> words{"--methods", "curvature", "--out", (folder / name).string()};
+    words.insert(words.end(), more.begin(), more.end());
+    EXPECT_EQ(render(words).exit_code, 0);
+    return Image(folder / name);
+  };
+  const Image checker = drawn("checker.png", {}), grid = drawn("grid.png", {"--colour", "grid"}),
+              violet = drawn("violet.png", {"--colour", "velocity", "--range", "1e3,1e4"}),
+              yellow = drawn("yellow.png", {"--colour", "mean_curvature", "--range", "-2e9,-1e9"});
+  const int bar = violet.data->GetDimensions()[1] - 800;
+  ASSERT_EQ(bar, yellow.data->GetDimensions()[1] - 800);
+  int liquid = 0, elsewhere = 0, moved = 0, changed = 0;
+  for (int y = 0; y < 740; ++y)
+    for (int x = 0; x < 900; ++x) {
+      const auto channel = [&](const Image& image, int c) { return image.at(x, y + bar, c); };
+      const bool is_violet = channel(violet, 0) > channel(violet, 1) + 20,
+                 is_yellow = channel(yellow, 0) > channel(yellow, 2) + 20;
+      (is_violet ? liquid : elsewhere) += 1;
+      moved += is_violet != is_yellow;
+      if (is_violet || is_yellow) continue;
+      for (int c = 0; c < 3; ++c)
+        changed += std::abs(checker.at(x, y, c) - channel(violet, c)) > 12 ||
+                   std::abs(checker.at(x, y, c) - grid.at(x, y, c)) > 12;
+    }
+  EXPECT_GT(liquid, 50000);
+  EXPECT_GT(elsewhere, 50000);
+  EXPECT_LT(moved, 2500) << "the rim's pixels at most";
+  EXPECT_LT(changed, 2500);
 }
 
 TEST_F(Render, DrawsAPanelForEachMethod) {

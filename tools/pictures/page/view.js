@@ -112,16 +112,16 @@ uniform bool checker;
 uniform sampler2D colours;
 uniform vec3 key, side, halfway;
 out vec4 result;
-${CUBE_COLOUR}vec3 checkerColour() {
+${TEXTURE_COLOURS}vec3 meanColour() {
   vec3 right = dFdx(cube), up = dFdy(cube), reach = 0.5 * (abs(right) + abs(up));
-  if (floor(cube - reach) == floor(cube + reach)) return cubeColour(cube);
+  if (floor(cube - reach) == floor(cube + reach)) return checkerColour(cube);
   vec3 sum = vec3(0.0);
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) sum += cubeColour(cube + float(i - 1) / 3.0 * right + float(j - 1) / 3.0 * up);
+    for (int j = 0; j < 3; ++j) sum += checkerColour(cube + float(i - 1) / 3.0 * right + float(j - 1) / 3.0 * up);
   return sum / 9.0;
 }
 void main() {
-  vec3 base = checker ? checkerColour() : texture(colours, vec2((255.0 * colour + 0.5) / 256.0, 0.5)).rgb;
+  vec3 base = checker ? meanColour() : texture(colours, vec2((255.0 * colour + 0.5) / 256.0, 0.5)).rgb;
   vec3 n = normalize(outward);
   float lit = 0.4 + 0.7 * (0.8 * max(dot(n, key), 0.0) + 0.45 * max(dot(n, side), 0.0));
   float shine = max(dot(n, halfway), 0.0);

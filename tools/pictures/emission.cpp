@@ -1,0 +1,64 @@
+#include "tools/pictures/emission.h"
+
+#include <fmt/format.h>
+#include <vtkFloatArray.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "core/errors.h"
+#include "core/nearest_points.h"
+#include "tools/io/input_frame.h"
+
+namespace kappaflow {
+namespace {
+
+InputFrame particles_with_ids(const RunFrames& frames, int frame) {
+  InputFrame particles = frames.particles(frame);
+  if (particles.id.empty())
+    throw InvalidInput(fmt::format("{} does not say which particle is which, so nobody knows when each came",
+                                   frames.folder().string()));
+  return particles;
+}
+
+}  // namespace
+
+bool is_fed(const RunFrames& frames) {
+  if (!frames.has_particles()) return false;
+  std::vector<std::int64_t> first = frames.particles(0).id, last = frames.particles(frames.count() - 1).id;
+  std::ranges::sort(first);
+  std::ranges::sort(last);
+  return !std::ranges::includes(first, last);
+}
+
+EmissionTimes::EmissionTimes(const RunFrames& frames, int last) : frames_(frames) {
+  double before = 0;
+  for (int frame = 0; frame <= last; ++frame) {
+    const InputFrame particles = particles_with_ids(frames, frame);
+    const double now = particles.time.value_or(frame);
+    std::vector<std::int64_t> come;
+    for (const std::int64_t id : particles.id)
+      if (!time_.contains(id)) come.push_back(id);
+    std::ranges::sort(come);
+    if (frame == 0) before = now;
+    for (std::size_t k = 0; k < come.size(); ++k)
+      time_[come[k]] =
+          before + (now - before) * static_cast<double>(k + 1) / static_cast<double>(come.size());
+    before = now;
+  }
+}
+
+void EmissionTimes::add_to(vtkPolyData& surface, int frame) const {
+  const InputFrame particles = particles_with_ids(frames_, frame);
+  std::vector<Vec3> places;
+  for (vtkIdType v = 0; v < surface.GetNumberOfPoints(); ++v) places.emplace_back(surface.GetPoint(v));
+  vtkNew<vtkFloatArray> times;
+  times->SetName(kEmissionTimeArray);
+  for (const std::uint32_t nearest : nearest_points(particles.position, places))
+    times->InsertNextValue(static_cast<float>(time_.at(particles.id[nearest])));
+  surface.GetPointData()->AddArray(times);
+}
+
+}  // namespace kappaflow
