@@ -14,7 +14,7 @@
 #include "core/errors.h"
 #include "core/quantile.h"
 #include "tools/io/files.h"
-#include "tools/pictures/plot.h"
+#include "tools/pictures/method_curve.h"
 #include "tools/runs/metrics.h"
 #include "tools/runs/run_folder.h"
 #include "tools/runs/run_record.h"
@@ -270,7 +270,7 @@ std::string markdown_text(const std::vector<std::vector<std::string>>& rows) {
   return text;
 }
 
-/// Whether there is anything to see: gnuplot complains about curves that are all one constant.
+/// Whether there is anything to see.
 bool changes(const Plot& plot) {
   double least = std::numeric_limits<double>::infinity(), most = -least;
   for (const Curve& curve : plot.curves)
@@ -279,14 +279,48 @@ bool changes(const Plot& plot) {
   return least < most;
 }
 
-void write_plots(const fs::path& folder, const std::vector<Series>& all,
-                 const std::vector<std::string>& names) {
+std::string last_name(const fs::path& folder) {
+  const fs::path path = fs::absolute(folder).lexically_normal();
+  return (path.has_filename() ? path : path.parent_path()).filename().string();
+}
+
+/// What a run is called in plots: nothing where there is only one, else the last name of its path, or its
+/// number where another has the same.
+std::string plotted_name(const std::vector<Run>& runs, std::size_t r) {
+  if (runs.size() < 2) return "";
+  const std::string name = last_name(runs[r].folder);
+  const auto has_name = [&](const Run& run) { return last_name(run.folder) == name; };
+  return std::ranges::count_if(runs, has_name) > 1 ? fmt::format("{} ", r + 1) : name + " ";
+}
+
+/// An empty curve for each series; methods keep their colours where there is one run.
+std::vector<Curve> named_curves(const std::vector<Run>& runs) {
+  std::vector<Curve> curves;
+  for (std::size_t r = 0; r < runs.size(); ++r)
+    for (const Series& series : runs[r].series) {
+      Curve& curve = curves.emplace_back(method_curve(series.method));
+      if (runs.size() > 1) curve.style = static_cast<int>(curves.size() - 1) % kPlotStyles;
+      curve.title = plotted_name(runs, r) + series.method;
+    }
+  return curves;
+}
+
+/// "tracer distance [sigma]".
+std::string axis_label(std::string_view metric) {
+  std::string label(metric);
+  std::ranges::replace(label, '_', ' ');
+  const MetricColumn* column = find_metric(metric);
+  return column == nullptr || column->unit == "1" ? label : fmt::format("{} [{}]", label, column->unit);
+}
+
+void write_plots(const fs::path& folder, const std::vector<Series>& all, const std::vector<Run>& runs) {
+  const std::vector<Curve> curves = named_curves(runs);
   for (const Metric& metric : kMetrics) {
     const std::string name(metric.name);
-    Plot plot{name, "t [s]", name, {}};
+    Plot plot{"", "t [s]", axis_label(name), {}};
     for (std::size_t s = 0; s < all.size(); ++s) {
       const std::vector<double> values = all[s].values(name);
-      Curve curve{names[s], {}};
+      Curve curve = curves[s];
       for (std::size_t f = 0; f < values.size(); ++f) curve.points.emplace_back(all[s].times()[f], values[f]);
       if (!std::ranges::all_of(values, [](double value) { return std::isnan(value); }))
         plot.curves.push_back(std::move(curve));
@@ -329,7 +363,7 @@ std::string compare(const CompareOptions& options) {
     require_gnuplot();
     make_folder(options.folder);
     write_tables(options, rows, about, names);
-    write_plots(options.folder, all, short_names);
+    write_plots(options.folder, all, runs);
   }
   return about + terminal_text(rows, short_names);
 }

@@ -44,6 +44,8 @@ TEST_F(Compare, MediansAndWhoIsBest) {
   expect("texture_jump", "", "", "");
   EXPECT_NE(bytes_of(folder / "out/compare.md").find("| slip | 0.4 | 0.1 | regional |\n"), std::string::npos);
   EXPECT_EQ(bytes_of(folder / "out/slip.png").substr(0, 4), "\x89PNG");
+  EXPECT_EQ(bytes_of(folder / "out/slip.pdf").substr(0, 4), "%PDF");
+  EXPECT_NE(bytes_of(folder / "out/slip.svg").find("<text>regional</text>"), std::string::npos);
   EXPECT_FALSE(std::filesystem::exists(folder / "out/texture_jump.png")) << "nobody has it";
 }
 
@@ -60,6 +62,21 @@ TEST_F(Compare, RunsAreToldApartAndEqualsHaveNoBest) {
     }
   for (const TextRow& row : read_table(folder / "out/compare.csv"))
     EXPECT_EQ(row.at("best"), row.at("median") == "volume_error" ? one.string() + ":total" : "");
+}
+
+TEST_F(Compare, PlotsNameRunsNotTheirPaths) {
+  std::filesystem::create_directories(folder / "elsewhere");
+  const char *one_row = "0,0,total,0.4,1,0.5,1,1\n1,1,total,0.3,1,0.5,1,1\n",
+             *other_row = "0,0,total,0.2,1,0.5,1,1\n1,1,total,0.1,1,0.5,1,1\n";
+  const auto one = run("one", one_row), two = run("two", other_row), same = run("elsewhere/one", other_row);
+  compare({{one, two}, folder / "out"});
+  const std::string plot = bytes_of(folder / "out/slip.svg");
+  EXPECT_NE(plot.find("<text>one total</text>"), std::string::npos) << plot;
+  EXPECT_NE(plot.find("<text>two total</text>"), std::string::npos) << plot;
+  compare({{one, same}, folder / "same"});
+  const std::string numbered = bytes_of(folder / "same/slip.svg");
+  EXPECT_NE(numbered.find("<text>1 total</text>"), std::string::npos) << numbered;
+  EXPECT_NE(numbered.find("<text>2 total</text>"), std::string::npos) << numbered;
 }
 
 // Slip: regional 4 % above curvature, which is noise, and half of total; material is 0 by definition. Where
