@@ -85,7 +85,8 @@ struct OutputDescription {
   double checker_size = 2.5;  ///< edge of a checker cube in units of sigma
   TextureProjection texture = TextureProjection::box;
   int checkpoint_interval = 1;  ///< frames from one checkpoint to the next
-  /// Frames from one whose surfaces are judged (SurfaceJudgement, and material tracers) to the next; 0: none.
+  /// Frames from one whose surfaces are judged (SurfaceJudgement, and material tracers) to the next, the
+  /// last one apart; 0: none.
   int metrics_interval = 1;
   int rest_interval = 0;  ///< see RestPair; 0: no such arrays
   View view;              ///< of pictures

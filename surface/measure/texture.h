@@ -13,16 +13,12 @@
 namespace kappaflow {
 
 enum class TextureProjection { planar, spherical, box };
-inline constexpr Named<TextureProjection> kTextureProjections[] = {
-    {"planar", TextureProjection::planar},
-    {"spherical", TextureProjection::spherical},
-    {"box", TextureProjection::box}};
-
 /// As scenes and run.json have them.
 inline constexpr Named<TextureProjection> kTextureProjections[] = {
     {"planar", TextureProjection::planar},
     {"spherical", TextureProjection::spherical},
     {"box", TextureProjection::box}};
+
 
 using Rgb = std::array<std::uint8_t, 3>;
 

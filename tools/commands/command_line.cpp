@@ -93,7 +93,7 @@ void add_track(CLI::App& app, CommandLine& line) {
       ->add_option(
           "--metrics", line.track.metrics_interval,
           "Frames from one that is compared with a fresh isosurface and with material tracers to the "
-          "next; 0: none (default: 1)")
+          "next, the last one apart; 0: none (default: 10)")
       ->check(whole_number(0, 1000000));
   track
       ->add_option_function<std::string>(

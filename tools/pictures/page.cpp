@@ -218,7 +218,7 @@ std::string walls_elements(const RunFrames& frames, Json::Value& header) {
 std::string surface_elements(const RunFrames& frames, const PageRanges& ranges) {
   std::string elements;
   std::vector<SurfacePacker> packers(frames.methods().size());
-  const WorkProgress progress("packing frame", frames.count());
+  WorkProgress progress("packing frame", frames.count());
   for (int frame = 0; frame < frames.count(); ++frame) {
     progress.show(frame);
     for (std::size_t m = 0; m < packers.size(); ++m) {

@@ -131,7 +131,7 @@ PageRanges page_ranges(const RunFrames& frames) {
   std::vector<ColouredArray> fields;
   for (const char* array : kColoured) fields.push_back({array});
   std::vector<vtkSmartPointer<vtkPolyData>> surfaces;
-  const WorkProgress progress("reading frame", frames.count());
+  WorkProgress progress("reading frame", frames.count());
   for (int frame = 0; frame < frames.count(); ++frame) {
     progress.show(frame);
     surfaces.clear();

@@ -102,7 +102,7 @@ void Drawing::prepare(int first, int last) {
   std::optional<ValueRange> found;
   std::vector<double> times;
   Surfaces here;
-  const WorkProgress progress("looking at frame", last - first + 1);
+  WorkProgress progress("looking at frame", last - first + 1);
   for (int frame = first; frame <= last; ++frame) {
     progress.show(frame - first);
     here = surfaces(frame);
@@ -179,7 +179,7 @@ int draw_all(const RenderOptions& options, const fs::path& film, Drawing& drawin
   make_folder(pictures);
   drawing.prepare(frames.first, frames.last);
   {
-    const WorkProgress progress("drawing frame", count);
+    WorkProgress progress("drawing frame", count);
     for (int frame = frames.first; frame <= frames.last; ++frame) {
       progress.show(frame - frames.first);
       drawing.draw(film_picture(pictures, frame), frame);

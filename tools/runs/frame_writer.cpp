@@ -32,6 +32,7 @@ FrameWriter::FrameWriter(FrameSource& source, const OutputDescription& output,
       surfaces_(std::as_const(source).surfaces()),
       tracers_(source.tracers()),
       formats_(std::move(formats)),
+      last_(source.last_frame()),
       folder_(folder) {
   const TriangleMesh& mesh = surfaces_.mesh();
   first_ = {static_cast<std::int64_t>(mesh.vertex_count()), mesh.vertex_count()};
@@ -87,9 +88,9 @@ void FrameWriter::write_liquid(const FrameReport& report) {
   folder_.write_particles(frame, *particle_data(report.particles, weight, field.sigma));
 }
 
-/// Frame 0 is, and every metrics_interval-th after it.
+/// Frame 0 is, every metrics_interval-th after it, and the last one.
 bool FrameWriter::is_judged(int frame) const {
-  return output_.metrics_interval > 0 && frame % output_.metrics_interval == 0;
+  return output_.metrics_interval > 0 && (frame % output_.metrics_interval == 0 || frame == last_);
 }
 
 SurfaceMetrics FrameWriter::write_surface(const FrameMetrics& frame, std::size_t m,

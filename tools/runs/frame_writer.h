@@ -59,6 +59,7 @@ class FrameWriter {
   const TrackedSurfaces& surfaces_;
   const MaterialTracers& tracers_;
   std::vector<MeshFormat> formats_;
+  int last_;  // the last frame
   RunFolder& folder_;
   Earlier first_;
   Bounds initial_box_;  // of the first mesh

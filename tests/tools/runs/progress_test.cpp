@@ -20,7 +20,7 @@ TEST(Progress, IsSilentWithoutATerminal) {
   {
     Progress progress(0, 1, 25, true);
     progress.show(0.5, 12, "");
-    const WorkProgress work("drawing frame", 3);
+    WorkProgress work("drawing frame", 3);
     work.show(1);
   }
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
