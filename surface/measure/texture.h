@@ -19,7 +19,6 @@ inline constexpr Named<TextureProjection> kTextureProjections[] = {
     {"spherical", TextureProjection::spherical},
     {"box", TextureProjection::box}};
 
-
 using Rgb = std::array<std::uint8_t, 3>;
 
 /// A solid checker: space cut into cubes.
