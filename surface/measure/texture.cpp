@@ -58,10 +58,49 @@ Vec2 spherical(const Vec3& r) {
   return {0.5 + longitude / (2 * std::numbers::pi), 0.5 + latitude / std::numbers::pi};
 }
 
-Vec2 boxed(const Vec3& r) {
+/// The axis of the two faces that the point is nearest to.
+int nearest_face(const Vec3& r) {
   int face = 0;
   r.cwiseAbs().maxCoeff(&face);
+  return face;
+}
+
+Vec2 on_face(const Vec3& r, int face) {
   return {0.5 + 0.5 * r[face == 0 ? 2 : 0], 0.5 + 0.5 * r[face == 1 ? 2 : 1]};
+}
+
+Vec2 boxed(const Vec3& r) {
+  return on_face(r, nearest_face(r));
+}
+
+std::vector<Vec3> relative_to(const Bounds& box, std::span<const Vec3> position) {
+  const Vec3 center = 0.5 * (box.lower + box.upper);
+  const Vec3 half = (0.5 * (box.upper - box.lower)).cwiseMax(1e-300);  // a flat box maps to its middle
+  std::vector<Vec3> r(position.size());
+  std::ranges::transform(position, r.begin(),
+                         [&](const Vec3& x) -> Vec3 { return (x - center).cwiseQuotient(half); });
+  return r;
+}
+
+// A chart is a way to lay out texture coordinates: a face of the box, or of a sphere 1 where longitudes are
+// counted on by a turn.
+int own_chart(const Vec3& r, TextureProjection projection) {
+  return projection == TextureProjection::box ? nearest_face(r) : 0;
+}
+
+/// own: the corners' coordinates in their own charts.
+std::array<int, 3> corner_charts(const std::array<Vec3, 3>& r, const std::array<Vec2, 3>& own,
+                                 TextureProjection projection) {
+  std::array<int, 3> charts{};
+  if (projection == TextureProjection::box) charts.fill(nearest_face(r[0] + r[1] + r[2]));
+  if (projection != TextureProjection::spherical) return charts;
+  const double most = std::max({own[0][0], own[1][0], own[2][0]});
+  for (int c = 0; c < 3; ++c) charts[c] = most - own[c][0] > 0.5 ? 1 : 0;
+  return charts;
+}
+
+Vec2 in_chart(const Vec3& r, const Vec2& own, int chart, TextureProjection projection) {
+  return projection == TextureProjection::box ? on_face(r, chart) : Vec2(own[0] + chart, own[1]);
 }
 
 }  // namespace
@@ -100,11 +139,9 @@ Bounds bounding_box(std::span<const Vec3> position) {
 
 std::vector<Vec2> texture_coordinates(std::span<const Vec3> rest_position, const Bounds& box,
                                       TextureProjection projection) {
-  std::vector<Vec2> coordinates(rest_position.size());
-  const Vec3 center = 0.5 * (box.lower + box.upper);
-  const Vec3 half = (0.5 * (box.upper - box.lower)).cwiseMax(1e-300);  // a flat box maps to its middle
-  std::ranges::transform(rest_position, coordinates.begin(), [&](const Vec3& x) -> Vec2 {
-    const Vec3 r = (x - center).cwiseQuotient(half);
+  const std::vector<Vec3> relative = relative_to(box, rest_position);
+  std::vector<Vec2> coordinates(relative.size());
+  std::ranges::transform(relative, coordinates.begin(), [&](const Vec3& r) -> Vec2 {
     switch (projection) {
       case TextureProjection::planar:
         return {0.5 + 0.5 * r.x(), 0.5 + 0.5 * r.y()};
@@ -116,6 +153,28 @@ std::vector<Vec2> texture_coordinates(std::span<const Vec3> rest_position, const
     return boxed(r);
   });
   return coordinates;
+}
+
+SeamlessTexture seamless_texture(std::span<const Vec3> rest_position, std::span<const Triangle> triangles,
+                                 const Bounds& box, TextureProjection projection) {
+  constexpr int kNone = -1, kCharts = 3;
+  SeamlessTexture texture{texture_coordinates(rest_position, box, projection), {}};
+  const std::vector<Vec3> r = relative_to(box, rest_position);
+  std::vector<std::array<int, kCharts>> entry(r.size(), {kNone, kNone, kNone});
+  for (std::size_t v = 0; v < r.size(); ++v) entry[v][own_chart(r[v], projection)] = static_cast<int>(v);
+  for (const Triangle& t : triangles) {
+    const std::array<Vec2, 3> own{texture.value[t[0]], texture.value[t[1]], texture.value[t[2]]};
+    const std::array<int, 3> charts = corner_charts({r[t[0]], r[t[1]], r[t[2]]}, own, projection);
+    Triangle corners;
+    for (int c = 0; c < 3; ++c) {
+      corners[c] = entry[t[c]][charts[c]];
+      if (corners[c] != kNone) continue;
+      corners[c] = entry[t[c]][charts[c]] = static_cast<int>(texture.value.size());
+      texture.value.push_back(in_chart(r[t[c]], own[c], charts[c], projection));
+    }
+    texture.corners.push_back(corners);
+  }
+  return texture;
 }
 
 }  // namespace kappaflow

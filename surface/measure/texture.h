@@ -13,6 +13,7 @@
 namespace kappaflow {
 
 enum class TextureProjection { planar, spherical, box };
+
 /// As scenes and run.json have them.
 inline constexpr Named<TextureProjection> kTextureProjections[] = {
     {"planar", TextureProjection::planar},
@@ -45,5 +46,18 @@ Bounds bounding_box(std::span<const Vec3> position);
 /// centre. box: onto the face of the box that the point is nearest to, each face covering the whole texture.
 std::vector<Vec2> texture_coordinates(std::span<const Vec3> rest_position, const Bounds& box,
                                       TextureProjection projection);
+
+/// Texture coordinates with a choice for each corner of a triangle.
+struct SeamlessTexture {
+  std::vector<Vec2> value;        ///< first those of texture_coordinates(), one a vertex, then further ones
+  std::vector<Triangle> corners;  ///< of each triangle: the entries of `value` at its corners
+};
+
+/// The same without seams, where a triangle's corners would have coordinates from two ends of the texture.
+/// box: all corners of a triangle are projected onto the face that its centroid is nearest to, a little
+/// beyond [0, 1] perhaps. spherical: longitudes that are more than half a turn apart differ by less when the
+/// smaller one is counted on: up to 1.5; textures repeat. planar has no seams.
+SeamlessTexture seamless_texture(std::span<const Vec3> rest_position, std::span<const Triangle> triangles,
+                                 const Bounds& box, TextureProjection projection);
 
 }  // namespace kappaflow

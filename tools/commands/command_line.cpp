@@ -104,7 +104,7 @@ void add_track(CLI::App& app, CommandLine& line) {
           "Weights of the particles: uniform, or normalised, which keeps lone drops (default: uniform)")
       ->type_name("NAME")
       ->check(one_of({"uniform", "normalised"}));
-  add_formats(*track, line.track.formats);
+  add_formats(*track, line.track.formats, true);
   add_threads(*track, line.threads);
   add_force_and_quiet(*track, "run", line.track.force, line.track.quiet);
   for (const char* name :
@@ -253,6 +253,22 @@ void add_page(CLI::App& app, CommandLine& line) {
   page->footer(
       footer("kappaflow page out/staircase\n"
              "  kappaflow page out/staircase --methods total,regional --out two.html"));
+}
+
+void add_convert(CLI::App& app, CommandLine& line) {
+  CLI::App* convert =
+      app.add_subcommand("convert", "Write a run for Blender, Houdini and others: USD, OBJ, PLY, glTF");
+  convert->add_option("DIR", line.convert.folder, "Run folder")->required();
+  convert->add_option("--out", line.convert.out, "Folder for the files (default: the run folder)");
+  add_formats(*convert, line.convert.formats, false);
+  add_methods(*convert, "--methods", line.convert.methods, "Methods to write (default: those of the run)");
+  add_numbers(
+      *convert, "--up", "X,Y,Z", 3,
+      [&line](const std::vector<double>& v) { line.convert.up = Vec3(v.data()); },
+      "What points up, for USD and glTF (default: the scene's; y for tracked files)");
+  convert->footer(
+      footer("kappaflow convert out/staircase\n"
+             "  kappaflow convert out/tracked --format usd,obj --methods regional --up 0,0,1 --out assets"));
 }
 
 void add_compare(CLI::App& app, CommandLine& line) {

@@ -6,6 +6,7 @@
 
 #include "tools/commands/benchmark.h"
 #include "tools/commands/compare.h"
+#include "tools/commands/convert.h"
 #include "tools/commands/probe.h"
 #include "tools/experiments/experiment.h"
 #include "tools/pictures/page.h"
@@ -25,6 +26,7 @@ struct CommandLine {
   ProbeOptions probe;
   RenderOptions render;
   PageOptions page;
+  ConvertOptions convert;
   CompareOptions compare;
   ExperimentOptions experiment;
   int threads = 0;  // 0: all cores
@@ -37,6 +39,7 @@ void add_benchmark(CLI::App& app, CommandLine& line);
 void add_probe(CLI::App& app, CommandLine& line);
 void add_render(CLI::App& app, CommandLine& line);
 void add_page(CLI::App& app, CommandLine& line);
+void add_convert(CLI::App& app, CommandLine& line);
 void add_compare(CLI::App& app, CommandLine& line);
 void add_experiment(CLI::App& app, CommandLine& line);
 

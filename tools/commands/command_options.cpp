@@ -81,18 +81,22 @@ void add_methods(CLI::App& command, const std::string& name, std::vector<std::st
       ->check(one_of(method_names()));
 }
 
-void add_formats(CLI::App& command, std::vector<MeshFormat>& formats) {
+void add_formats(CLI::App& command, std::vector<MeshFormat>& formats, bool with_vtk) {
   const auto set = [&formats](const std::vector<std::string>& names) {
     for (const Named<MeshFormat>& format : kMeshFormats)
       if (std::ranges::find(names, format.name) != names.end()) formats.push_back(format.value);
   };
+  std::vector<std::string_view> names{"obj", "ply", "glb", "usd"};
+  if (with_vtk) names.insert(names.begin(), "vtk");
   command
       .add_option_function<std::vector<std::string>>(
-          "--format", set, "Surface files: vtk (always written), obj, ply, glb (default: vtk)")
+          "--format", set,
+          with_vtk ? "Files: vtk (always written), obj, ply, glb, usd (default: vtk)"
+                   : "Files to write: obj, ply, glb, usd (default: usd)")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->type_name("NAMES")
-      ->check(one_of({"vtk", "obj", "ply", "glb"}));
+      ->check(one_of(names));
 }
 
 void add_force_and_quiet(CLI::App& command, const std::string& held, bool& force, bool& quiet) {

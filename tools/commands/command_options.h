@@ -31,8 +31,9 @@ void add_threads(CLI::App& command, int& threads);
 void add_methods(CLI::App& command, const std::string& name, std::vector<std::string>& methods,
                  const std::string& text);
 
-/// --format: mesh files beside VTK's, which are always written.
-void add_formats(CLI::App& command, std::vector<MeshFormat>& formats);
+/// --format: files for other programs. with_vtk: beside VTK's, which are always written; else of what there
+/// is, usd where none is named.
+void add_formats(CLI::App& command, std::vector<MeshFormat>& formats, bool with_vtk);
 
 /// --force and --quiet. held: what the folder may already hold.
 void add_force_and_quiet(CLI::App& command, const std::string& held, bool& force, bool& quiet);

@@ -43,7 +43,7 @@ void add_run(CLI::App& app, CommandLine& line) {
   add_methods(*run, "--track", line.run.methods, "Velocity methods to track with (default: the scene's)");
   run->add_option("--duration", line.duration, "Simulated time in seconds (default: the scene's)")
       ->check(number_in("a number of seconds above 0", [](double value) { return value > 0; }));
-  add_formats(*run, line.run.formats);
+  add_formats(*run, line.run.formats, true);
   add_threads(*run, line.threads);
   run->add_flag("--force", line.run.force, "Replace the run that the folder already holds");
   run->add_flag("--quiet", line.run.quiet, "Print errors only");
@@ -88,6 +88,10 @@ int execute(const CLI::App& app, CommandLine& line) {
     reject_repeated("--methods", line.page.methods);
     fmt::print("{}", write_page(line.page));
   }
+  if (app.got_subcommand("convert")) {
+    reject_repeated("--methods", line.convert.methods);
+    return convert(line.convert);
+  }
   if (app.got_subcommand("render")) {
     const VirtualDisplay display;
     return render(line.render);
@@ -131,6 +135,7 @@ int parse_and_execute(int argc, char** argv) {
   add_probe(app, line);
   add_render(app, line);
   add_page(app, line);
+  add_convert(app, line);
   add_experiment(app, line);
   add_compare(app, line);
   std::vector<std::string> words = understood_words(app, {argv + 1, argv + argc});

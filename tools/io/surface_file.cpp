@@ -1,6 +1,7 @@
 #include "tools/io/surface_file.h"
 
 #include <fmt/format.h>
+#include <vtkCellData.h>
 #include <vtkDoubleArray.h>
 #include <vtkFieldData.h>
 #include <vtkIntArray.h>
@@ -60,6 +61,7 @@ vtkSmartPointer<vtkPolyData> read_surface(const std::filesystem::path& path) {
     data->SetPolys(make_triangles(surface.triangles));
     for (const PointArray& array : surface.points.arrays)
       data->GetPointData()->AddArray(array_to_draw(array));
+    for (const PointArray& array : surface.cell_arrays) data->GetCellData()->AddArray(array_to_draw(array));
     data->GetPointData()->SetActiveNormals("Normals");
     for (const PointArray& array : surface.points.fields)
       data->GetFieldData()->AddArray(array_to_draw(array));

@@ -8,8 +8,8 @@
 
 namespace kappaflow {
 
-/// The triangles of a surface or of walls, with the arrays of its points and its field arrays. Throws
-/// IoError, whatever is wrong with the file.
+/// The triangles of a surface or of walls, or particles, which have none, with the arrays of points and
+/// triangles and the field arrays. Throws IoError, whatever is wrong with the file.
 vtkSmartPointer<vtkPolyData> read_surface(const std::filesystem::path& path);
 
 }  // namespace kappaflow

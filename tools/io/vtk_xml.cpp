@@ -88,7 +88,8 @@ class Reader {
     if (!open_.empty() && open_ != std::vector<std::string>{"VTKFile"})
       throw InvalidInput(fmt::format("ends in an element {}", one_line(open_.back(), 30)));
     data_.check_sizes();
-    return {std::move(data_), std::move(triangles_)};
+    check_cell_arrays();
+    return {std::move(data_), std::move(triangles_), std::move(cell_arrays_)};
   }
 
  private:
@@ -116,6 +117,7 @@ class Reader {
     if (owner == "Points") owner_ = &coordinates_;
     if (owner == "FieldData") owner_ = &data_.fields;
     if (owner == "Polys" && with_triangles_) owner_ = &polygons_;
+    if (owner == "CellData" && with_triangles_) owner_ = &piece_cell_arrays_;
     if (const std::string_view type = xml_attribute(attributes, "type"); type == "String" || type == "Bit")
       owner_ = nullptr;  // nothing that particles need
     if (owner_ == nullptr) return;
@@ -181,15 +183,27 @@ class Reader {
     return static_cast<int>(first) + static_cast<int>(number);
   }
 
-  /// An array that some of the pieces lack comes out too short.
+  void check_cell_arrays() const {
+    for (const PointArray& array : cell_arrays_)
+      if (array.values.size() != array.components * triangles_.size())
+        throw InvalidInput(fmt::format("array \"{}\" has {} numbers for {} triangles",
+                                       one_line(array.name, 30), array.values.size(), triangles_.size()));
+  }
+
   void append_piece() {
     data_.position.insert(data_.position.end(), piece_.position.begin(), piece_.position.end());
-    for (PointArray& array : piece_.arrays) {
-      const auto same = std::ranges::find_if(data_.arrays, [&](const PointArray& a) {
-        return a.name == array.name && a.components == array.components;
-      });
-      if (same == data_.arrays.end())
-        data_.arrays.push_back(std::move(array));
+    append_arrays(piece_.arrays, data_.arrays);
+    append_arrays(piece_cell_arrays_, cell_arrays_);
+    piece_cell_arrays_.clear();
+  }
+
+  /// An array that some of the pieces lack comes out too short.
+  static void append_arrays(std::vector<PointArray>& of_piece, std::vector<PointArray>& all) {
+    for (PointArray& array : of_piece) {
+      const auto same = std::ranges::find_if(
+          all, [&](const PointArray& a) { return a.name == array.name && a.components == array.components; });
+      if (same == all.end())
+        all.push_back(std::move(array));
       else
         same->values.insert(same->values.end(), array.values.begin(), array.values.end());
     }
@@ -201,9 +215,10 @@ class Reader {
   DataEncoding encoding_;
   std::vector<std::string> open_;  // the elements that have begun and not ended
   PointData data_, piece_;
-  std::size_t points_ = 0;                          // of the piece
-  std::vector<PointArray> coordinates_, polygons_;  // likewise
+  std::size_t points_ = 0;                                              // of the piece
+  std::vector<PointArray> coordinates_, polygons_, piece_cell_arrays_;  // likewise
   std::vector<Triangle> triangles_;
+  std::vector<PointArray> cell_arrays_;
   std::vector<PointArray>* owner_ = nullptr;  // where the array goes that is being read
   PointArray array_;
   NumberType type_ = NumberType::float64;

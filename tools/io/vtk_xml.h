@@ -18,9 +18,11 @@ PointData parse_vtk_xml(std::string_view bytes, std::string_view kind);
 struct VtkSurface {
   PointData points;
   std::vector<Triangle> triangles;
+  std::vector<PointArray> cell_arrays;  ///< a tuple a triangle
 };
 
-/// The same of a PolyData file with its polygons, which must be triangles of points that there are.
+/// The same of a PolyData file with its polygons, which must be triangles of points that there are, with
+/// the arrays of these.
 VtkSurface parse_vtk_surface(std::string_view bytes);
 
 }  // namespace kappaflow

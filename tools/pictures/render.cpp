@@ -17,6 +17,7 @@
 #include "tools/pictures/hiding_walls.h"
 #include "tools/pictures/picture.h"
 #include "tools/pictures/surface_arrays.h"
+#include "tools/runs/frame_rate.h"
 #include "tools/runs/progress.h"
 
 namespace kappaflow {

@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "core/errors.h"
-#include "core/quantile.h"
 #include "tools/io/surface_file.h"
 #include "tools/pictures/hiding_walls.h"
 #include "tools/runs/run_folder.h"
@@ -21,10 +20,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kFallbackRate = 25;  // frames a second, where a run has one frame only
-constexpr double kFollowed = 0.5;     // how far a camera that follows looks ahead and back [s]
-constexpr double kSpray = 0.002;      // share of a surface's vertices that may lie outside at each side
-constexpr double kMargin = 1.1;       // around the liquid
+constexpr double kFollowed = 0.5;  // how far a camera that follows looks ahead and back [s]
+constexpr double kSpray = 0.002;   // share of a surface's vertices that may lie outside at each side
+constexpr double kMargin = 1.1;    // around the liquid
 
 std::vector<std::string> chosen_methods(const fs::path& folder, const std::vector<std::string>& chosen,
                                         const Json::Value& record) {
@@ -106,13 +104,6 @@ double time_of(vtkPolyData& surface) {
   vtkDataArray* const time = surface.GetFieldData()->GetArray("TimeValue");
   const double value = time != nullptr && time->GetNumberOfValues() > 0 ? time->GetComponent(0, 0) : 0;
   return std::isfinite(value) ? value : 0;
-}
-
-double real_time_rate(const std::vector<double>& times) {
-  std::vector<double> intervals;
-  for (std::size_t k = 1; k < times.size(); ++k) intervals.push_back(times[k] - times[k - 1]);
-  const double interval = intervals.empty() ? 0 : quantile(intervals, 0.5);
-  return interval > 0 ? 1 / interval : kFallbackRate;
 }
 
 Framing liquid_framing(std::span<vtkPolyData* const> surfaces, const View& view) {

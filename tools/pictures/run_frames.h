@@ -57,10 +57,6 @@ std::vector<std::uint32_t> hiding_triangles(const RunFrames& frames, const std::
 /// Of a frame [s]; 0 where the file does not say.
 double time_of(vtkPolyData& surface);
 
-/// Frames a second at which simulated time passes as fast as that of the viewer, but for frames that are not
-/// equally far apart.
-double real_time_rate(const std::vector<double>& times);
-
 /// What a camera frames of a frame's surfaces: all but some spray, with a margin.
 Framing liquid_framing(std::span<vtkPolyData* const> surfaces, const View& view);
 

@@ -49,7 +49,8 @@ class FrameSource {
   virtual const TrackedSurfaces& surfaces() const = 0;
   virtual TrackedSurfaces& surfaces() = 0;  ///< for whoever gives them arrays
   virtual const MaterialTracers& tracers() const = 0;
-  virtual std::vector<TriangleSurface> walls_at_rest() const { return {}; }
+  virtual std::vector<TriangleSurface> walls_at_start() const { return {}; }
+  virtual bool walls_move() const { return false; }  ///< at some time
 
   /// Of the frame that is reached; once a frame.
   virtual FrameReport take_report(int frame) = 0;

@@ -10,6 +10,7 @@
 #include "core/stopwatch.h"
 #include "tools/io/vtk_arrays.h"
 #include "tools/io/vtp_files.h"
+#include "tools/runs/frame_rate.h"
 #include "tools/runs/timings.h"
 
 namespace kappaflow {
@@ -23,17 +24,39 @@ std::vector<Vec3> field_normals(const Field& field, std::span<const Vec3> positi
   return normal;
 }
 
+ExportSettings export_settings(const FrameSource& source, const OutputDescription& output,
+                               const std::vector<std::string>& methods,
+                               const std::vector<MeshFormat>& formats) {
+  const TriangleMesh& mesh = source.surfaces().mesh();
+  ExportSettings settings{.formats = formats,
+                          .methods = methods,
+                          .up = output.view.up,
+                          .texture = {bounding_box(mesh.rest_position), output.texture},
+                          .origin = far_origin(mesh.position),
+                          .walls_move = source.walls_move()};
+  std::vector<double> times;
+  for (int frame = 0; frame <= source.last_frame(); ++frame) times.push_back(source.time_of(frame));
+  settings.frames_per_second = real_time_rate(times);
+  if (const std::vector<TriangleSurface> walls = source.walls_at_start(); !walls.empty())
+    settings.walls_at_start = boundary_data(walls);
+  return settings;
+}
+
 }  // namespace
 
 FrameWriter::FrameWriter(FrameSource& source, const OutputDescription& output,
-                         std::vector<std::string> methods, std::vector<MeshFormat> formats, RunFolder& folder)
+                         std::vector<std::string> methods, const std::vector<MeshFormat>& formats,
+                         RunFolder& folder)
     : output_(output),
       methods_(std::move(methods)),
       surfaces_(std::as_const(source).surfaces()),
       tracers_(source.tracers()),
-      formats_(std::move(formats)),
       last_(source.last_frame()),
-      folder_(folder) {
+      folder_(folder),
+      export_(export_settings(source, output, methods_, formats),
+              [&folder](const std::string& name, const std::string& content) {
+                folder.write_export(name, content);
+              }) {
   const TriangleMesh& mesh = surfaces_.mesh();
   first_ = {static_cast<std::int64_t>(mesh.vertex_count()), mesh.vertex_count()};
   initial_box_ = bounding_box(mesh.rest_position);
@@ -41,7 +64,8 @@ FrameWriter::FrameWriter(FrameSource& source, const OutputDescription& output,
                             output.checker_size * surfaces_.field_options().sigma);
   if (output.rest_interval > 0) rest_pair_.emplace(source.surfaces(), output.rest_interval);
   last_frame_.assign(methods_.size(), {mesh.next_id, mesh.vertex_count()});
-  if (const std::vector<TriangleSurface> walls = source.walls_at_rest(); !walls.empty())
+  if (const std::vector<TriangleSurface> walls = source.walls_at_start();
+      !walls.empty() && !source.walls_move())
     folder.write_boundary(*boundary_data(walls));
 }
 
@@ -75,17 +99,24 @@ void FrameWriter::write(int frame, FrameSource& source, RunSummary& summary) {
     summary.methods[m].add_frame(method, row.surface, seconds);
   }
   folder_.finish_frame(metrics.time, rows);
+  export_.finish_frame(frame);
   summary.add_frame(metrics, report.tracer_seconds, shared_seconds);
 }
 
 void FrameWriter::write_liquid(const FrameReport& report) {
   const int frame = report.metrics.frame;
   const ParticleFieldOptions& field = surfaces_.field_options();
-  if (!report.walls.empty()) folder_.write_boundary(frame, *boundary_data(report.walls));
+  if (!report.walls.empty()) {
+    const auto walls = boundary_data(report.walls);
+    folder_.write_boundary(frame, *walls);
+    export_.write_walls(frame, *walls);
+  }
   const Particles& particles = report.particles.particles;
   const std::vector<double> weight =
       field_weights(particles.position, field.sigma, field.weights, particles.scale);
-  folder_.write_particles(frame, *particle_data(report.particles, weight, field.sigma));
+  const auto data = particle_data(report.particles, weight, field.sigma);
+  folder_.write_particles(frame, *data);
+  export_.write_particles(frame, *data);
 }
 
 /// Frame 0 is, every metrics_interval-th after it, and the last one.
@@ -97,7 +128,7 @@ SurfaceMetrics FrameWriter::write_surface(const FrameMetrics& frame, std::size_t
                                           const TrackerStep& since_frame) {
   const TriangleMesh& mesh = surfaces_.mesh(m);
   const SurfaceState state = surfaces_.state(m);
-  write_meshes(frame, m, state);
+  write_mesh(frame, m, state);
   SurfaceMetrics metrics = surface_metrics(surfaces_.field(), mesh, state, output_.report_axis);
   metrics.residual_max = std::max(metrics.residual_max, since_frame.residual_max);
   metrics.regions_replaced = since_frame.topology.replaced;
@@ -124,15 +155,12 @@ vtkSmartPointer<vtkPolyData> FrameWriter::file_data(const FrameMetrics& frame, s
   return data;
 }
 
-void FrameWriter::write_meshes(const FrameMetrics& frame, std::size_t m, const SurfaceState& state) {
+void FrameWriter::write_mesh(const FrameMetrics& frame, std::size_t m, const SurfaceState& state) {
   const TriangleMesh& mesh = surfaces_.mesh(m);
   const std::vector<Vec2> texture = texture_coordinates(mesh.rest_position, initial_box_, output_.texture);
-  folder_.write_surface(frame.frame, methods_[m], *file_data(frame, m, state, texture));
-  if (formats_.empty()) return;
-  const std::vector<Rgb> colours = checker_colours(mesh.rest_position, checker_);
-  for (const MeshFormat format : formats_)
-    folder_.write_mesh(frame.frame, methods_[m], format,
-                       mesh_bytes(format, {mesh.position, state.normal, texture, colours, mesh.triangles}));
+  const auto surface = file_data(frame, m, state, texture);
+  folder_.write_surface(frame.frame, methods_[m], *surface);
+  if (export_.asked_for()) export_.write_surface(frame.frame, methods_[m], *surface);
 }
 
 /// The share of its vertices that the mesh still has.

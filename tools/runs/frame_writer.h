@@ -8,7 +8,7 @@
 #include "scenes/scene.h"
 #include "surface/measure/texture.h"
 #include "surface/tracker/rest_pair.h"
-#include "tools/io/mesh_formats.h"
+#include "tools/runs/frame_export.h"
 #include "tools/runs/frame_source.h"
 #include "tools/runs/run_folder.h"
 #include "tools/runs/summary.h"
@@ -19,9 +19,9 @@ namespace kappaflow {
 class FrameWriter {
  public:
   /// Before the source's first step; writes walls that never move. methods: what files and tables call the
-  /// surfaces; formats: of further mesh files beside each surface's .vtp. The references must outlive it.
+  /// surfaces; formats: of the files for other programs. The references must outlive it.
   FrameWriter(FrameSource& source, const OutputDescription& output, std::vector<std::string> methods,
-              std::vector<MeshFormat> formats, RunFolder& folder);
+              const std::vector<MeshFormat>& formats, RunFolder& folder);
 
   /// Writes the frame that the source has reached: particles, walls that move and surfaces into their files,
   /// what was measured into tables and summary.
@@ -52,15 +52,15 @@ class FrameWriter {
   bool is_judged(int frame) const;
   vtkSmartPointer<vtkPolyData> file_data(const FrameMetrics& frame, std::size_t m, const SurfaceState& state,
                                          std::span<const Vec2> texture) const;
-  void write_meshes(const FrameMetrics& frame, std::size_t m, const SurfaceState& state);
+  void write_mesh(const FrameMetrics& frame, std::size_t m, const SurfaceState& state);
 
   const OutputDescription& output_;
   std::vector<std::string> methods_;
   const TrackedSurfaces& surfaces_;
   const MaterialTracers& tracers_;
-  std::vector<MeshFormat> formats_;
   int last_;  // the last frame
   RunFolder& folder_;
+  FrameExport export_;
   Earlier first_;
   Bounds initial_box_;  // of the first mesh
   Checker checker_;

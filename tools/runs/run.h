@@ -19,7 +19,7 @@ struct RunOptions {
   std::vector<std::string> methods;  ///< empty: those of the scene
   std::optional<double> duration;    ///< instead of the scene's [s]
   bool keep_connectivity = false;    ///< no remeshing, whatever the scene says
-  std::vector<MeshFormat> formats;   ///< of further mesh files beside each surface's .vtp
+  std::vector<MeshFormat> formats;   ///< of files for other programs, beside .vtp
   int threads = 1;
   bool force = false;                ///< replace a run that the folder already holds
   bool quiet = false;                ///< no progress, no summary

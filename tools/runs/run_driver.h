@@ -19,7 +19,7 @@ struct RunSettings {
   std::string title;    ///< for the summary
   OutputDescription output;
   std::vector<std::string> methods;  ///< what files and tables call the surfaces
-  std::vector<MeshFormat> formats;   ///< of further mesh files beside each surface's .vtp
+  std::vector<MeshFormat> formats;   ///< of files for other programs, beside .vtp
   double density_tolerance = 0;      ///< of the liquid's solver [1]
   bool quiet = false;                ///< no progress
   /// What a checkpoint begins with, after the command.

@@ -9,6 +9,7 @@
 #include "core/errors.h"
 #include "tools/io/checkpoint.h"
 #include "tools/io/files.h"
+#include "tools/io/mesh_formats.h"
 #include "tools/io/pvd.h"
 #include "tools/io/vtp_files.h"
 #include "tools/runs/timings.h"
@@ -39,15 +40,16 @@ bool is_data_folder(const fs::directory_entry& entry) {
 bool is_run_file(const fs::directory_entry& entry) {
   const std::string name = entry.path().filename().string();
   if (std::ranges::count(kTables, name) > 0 || std::ranges::count(kOtherFiles, name) > 0) return true;
-  return entry.path().extension() == ".pvd" &&
-         (name == "run.pvd" || name == "particles.pvd" || name == "boundary.pvd" || is_surface_name(name));
+  const fs::path kind = entry.path().extension();
+  const std::string stem = entry.path().stem().string();
+  return (kind == ".pvd" || kind == ".usda") && (stem == "run" || is_data_name(stem));
 }
 
 bool is_data_file(const fs::directory_entry& entry) {
   const std::string kind = entry.path().extension().string();
-  return kind == ".vtp" || kind == ".tmp" || std::ranges::any_of(kMeshFormats, [&](const auto& format) {
-           return kind == fmt::format(".{}", format.name);
-         });
+  return kind == ".vtp" || kind == ".tmp" || kind == ".usda" ||
+         std::ranges::any_of(kMeshFormats,
+                             [&](const auto& format) { return kind == fmt::format(".{}", format.name); });
 }
 
 // A copy, since removing entries while iterating over them is undefined.
@@ -203,10 +205,9 @@ void RunFolder::write_surface(int frame, const std::string& method, vtkPolyData&
   write_data(surface_file(method, frame), data);
 }
 
-void RunFolder::write_mesh(int frame, const std::string& method, MeshFormat format,
-                           const std::string& bytes) {
-  fs::path name = surface_file(method, frame);
-  write_text(name.replace_extension(name_of(kMeshFormats, format)).string(), bytes);
+void RunFolder::write_export(const std::string& name, const std::string& content) {
+  make_folder((place_ / name).parent_path());
+  write_text(name, content);
 }
 
 void RunFolder::finish_frame(double time, const FrameRows& rows) {

@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "tools/io/folder_lock.h"
-#include "tools/io/mesh_formats.h"
 #include "tools/runs/metrics.h"
 
 namespace kappaflow {
@@ -27,8 +26,10 @@ struct FrameRows {
 ///   run.json  run.toml  checkpoint.bin  metrics.csv  pieces.csv  timings.csv  run.pvd
 ///   boundary.vtp, or where walls move boundary.pvd  boundary/boundary_0000.vtp ...
 ///   particles.pvd  particles/particles_0000.vtp ...
-///   surface-<method>.pvd  surface-<method>/surface_0000.vtp ... (and .obj, .ply, .glb where these are asked
-///   for)
+///   surface-<method>.pvd  surface-<method>/surface_0000.vtp ...
+/// and where they are asked for, see frame_export.h:
+///   surface-<method>/surface_0000.obj ... (.ply, .glb)
+///   run.usda  boundary.usda  particles.usda  surface-<method>.usda, and .usda files in these folders
 /// Whatever is there under these names is complete and listed in the .pvd files, at any moment of the run.
 class RunFolder {
  public:
@@ -59,8 +60,8 @@ class RunFolder {
   void write_boundary(int frame, vtkPolyData& data);
   void write_particles(int frame, vtkPolyData& data);
   void write_surface(int frame, const std::string& method, vtkPolyData& data);
-  /// A further file of the same surface, beside its .vtp.
-  void write_mesh(int frame, const std::string& method, MeshFormat format, const std::string& bytes);
+  /// A file for other programs; name: relative to the folder.
+  void write_export(const std::string& name, const std::string& content);
   /// Lists the frame's files at `time` [s] in the .pvd files and appends its rows to the tables.
   void finish_frame(double time, const FrameRows& rows);
   /// Returns when everything that was written is on the disk, where a power cut leaves it.

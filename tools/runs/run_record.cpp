@@ -154,6 +154,7 @@ std::string track_record(const TrackOptions& options, const ParticleSequence& se
   input["hash"] = sequence.hash();
   input["notes"] = list(sequence.notes());
   record["duration"] = sequence.time(sequence.size() - 1) - sequence.time(0);
+  record["texture"] = std::string(name_of(kTextureProjections, options.texture));
   record["frames_per_second"] =
       options.frames_per_second ? Json::Value(*options.frames_per_second) : Json::Value();
   return record_text(record);

@@ -31,9 +31,9 @@ bool SceneFrames::advance(int frame, const Watch& watch) {
   });
 }
 
-std::vector<TriangleSurface> SceneFrames::walls_at_rest() const {
-  if (any_moves(simulation_.walls())) return {};
-  return surfaces_of(simulation_.walls());
+std::vector<TriangleSurface> SceneFrames::walls_at_start() const {
+  if (!walls_move()) return surfaces_of(simulation_.walls());
+  return surfaces_of(walls_at(time_of(0), simulation_.walls()));
 }
 
 FrameReport SceneFrames::take_report(int frame) {
@@ -41,7 +41,7 @@ FrameReport SceneFrames::take_report(int frame) {
   FrameMetrics& metrics = report.metrics;
   metrics.frame = frame;
   metrics.time = time_of(frame);
-  if (any_moves(simulation_.walls())) {
+  if (walls_move()) {
     const std::vector<SolidWall> walls = walls_at(metrics.time, simulation_.walls());
     wall_distance_ = WallDistance(walls);
     report.walls = surfaces_of(walls);

@@ -28,7 +28,8 @@ class SceneFrames final : public FrameSource {
   const TrackedSurfaces& surfaces() const override { return simulation_.surfaces(); }
   TrackedSurfaces& surfaces() override { return simulation_.surfaces(); }
   const MaterialTracers& tracers() const override { return simulation_.tracers(); }
-  std::vector<TriangleSurface> walls_at_rest() const override;
+  std::vector<TriangleSurface> walls_at_start() const override;
+  bool walls_move() const override { return any_moves(simulation_.walls()); }
   FrameReport take_report(int frame) override;
   std::string kept_particles(const std::filesystem::path& file) const override;
   void write_state(StateWriter& archive) override { archive(simulation_); }

@@ -30,8 +30,8 @@ struct TrackOptions {
   std::optional<double> checker_edge;  ///< of the checker's cubes [m]; empty: OutputDescription's
   TextureProjection texture = TextureProjection::box;
   int rest_interval = 0;            ///< see OutputDescription
-  int metrics_interval = 10;         ///< see OutputDescription
-  std::vector<MeshFormat> formats;  ///< of further mesh files beside each surface's .vtp
+  int metrics_interval = 10;        ///< see OutputDescription
+  std::vector<MeshFormat> formats;  ///< of files for other programs, beside .vtp
   int threads = 1;
   bool force = false;                ///< replace a run that the folder already holds
   bool quiet = false;                ///< no progress, no summary

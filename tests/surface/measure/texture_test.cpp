@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <set>
 
 namespace kappaflow {
@@ -99,6 +100,78 @@ TEST(TextureCoordinates, BoxUsesTheNearestFace) {
   EXPECT_NEAR((uv[2] - Vec2(0.5, 0.75)).norm(), 0, 1e-15);   // +x face: (z, y)
   EXPECT_NEAR((uv[3] - Vec2(0.75, 0.25)).norm(), 0, 1e-15);  // +y face: (x, z)
   EXPECT_NEAR((uv[4] - Vec2(0.5, 0.25)).norm(), 0, 1e-15);   // +z face: (x, y)
+}
+
+/// Points of a sphere about the middle of its bounding box, and triangles between them across all seams.
+struct TexturedSphere {
+  TexturedSphere() {
+    constexpr int kRings = 12, kPoints = 24;
+    for (int i = 1; i < kRings; ++i)
+      for (int j = 0; j < kPoints; ++j) {
+        const double polar = std::numbers::pi * i / kRings, turn = 2 * std::numbers::pi * (j + 0.3) / kPoints;
+        position.emplace_back(std::sin(polar) * std::cos(turn), std::cos(polar),
+                              std::sin(polar) * std::sin(turn));
+      }
+    for (int i = 0; i + 2 < kRings; ++i)
+      for (int j = 0; j < kPoints; ++j) {
+        const int a = i * kPoints + j, b = i * kPoints + (j + 1) % kPoints;
+        triangles.push_back({a, b, a + kPoints});
+        triangles.push_back({b, b + kPoints, a + kPoints});
+      }
+  }
+  std::vector<Vec3> position;
+  std::vector<Triangle> triangles;
+};
+
+/// How far apart the coordinates of a triangle's corners are.
+double widest(std::span<const Vec2> value, std::span<const Triangle> corners) {
+  double most = 0;
+  for (const Triangle& t : corners)
+    for (int c = 0; c < 3; ++c)
+      most = std::max(most, (value[t[c]] - value[t[(c + 1) % 3]]).lpNorm<Eigen::Infinity>());
+  return most;
+}
+
+TEST(SeamlessTextureCoordinates, NoTriangleSpansASeam) {
+  const TexturedSphere sphere;
+  const Bounds box = bounding_box(sphere.position);
+  for (const auto projection : {TextureProjection::spherical, TextureProjection::box}) {
+    const auto plain = texture_coordinates(sphere.position, box, projection);
+    const SeamlessTexture texture = seamless_texture(sphere.position, sphere.triangles, box, projection);
+    EXPECT_GT(widest(plain, sphere.triangles), 0.6) << "nothing was tested";
+    EXPECT_LT(widest(texture.value, texture.corners), 0.25);
+    ASSERT_EQ(texture.corners.size(), sphere.triangles.size());
+    ASSERT_GT(texture.value.size(), plain.size());
+    EXPECT_LT(texture.value.size(), plain.size() * 3 / 2) << "one more at seams only";
+    for (std::size_t v = 0; v < plain.size(); ++v) EXPECT_EQ(texture.value[v], plain[v]);
+  }
+  const SeamlessTexture planar =
+      seamless_texture(sphere.position, sphere.triangles, box, TextureProjection::planar);
+  EXPECT_EQ(planar.corners, sphere.triangles);
+  EXPECT_EQ(planar.value.size(), sphere.position.size());
+}
+
+// A longitude may be a turn more; on the box a corner has one of the projections along an axis.
+TEST(SeamlessTextureCoordinates, CornersHaveTheirVerticesCoordinates) {
+  const TexturedSphere sphere;
+  const Bounds box = bounding_box(sphere.position);
+  const Vec3 size = box.upper - box.lower;
+  const auto longitude = texture_coordinates(sphere.position, box, TextureProjection::spherical);
+  const auto spherical =
+      seamless_texture(sphere.position, sphere.triangles, box, TextureProjection::spherical);
+  const auto boxed = seamless_texture(sphere.position, sphere.triangles, box, TextureProjection::box);
+  for (std::size_t t = 0; t < sphere.triangles.size(); ++t)
+    for (int c = 0; c < 3; ++c) {
+      const int v = sphere.triangles[t][c];
+      const Vec2 turns = spherical.value[spherical.corners[t][c]] - longitude[v];
+      EXPECT_TRUE(turns == Vec2(0, 0) || (turns - Vec2(1, 0)).norm() < 1e-15);
+      const Vec3 s = (sphere.position[v] - box.lower).cwiseQuotient(size);
+      const Vec2 found = boxed.value[boxed.corners[t][c]];
+      double nearest = 1;
+      for (const Vec2& on_face : {Vec2(s.z(), s.y()), Vec2(s.x(), s.z()), Vec2(s.x(), s.y())})
+        nearest = std::min(nearest, (found - on_face).norm());
+      EXPECT_LT(nearest, 1e-12);
+    }
 }
 
 TEST(TextureCoordinates, FlatAndEmptyInputsAreFinite) {

@@ -28,7 +28,7 @@ const std::string kSmallScene = KAPPAFLOW_SOURCE_DIR "/scenes/staircase-small.to
 class Reliability : public Scratch {
  protected:
   std::vector<std::string> words_to_run(const std::string& scene, const fs::path& out) const {
-    return {"run", scene, "--out", out.string(), "--track", "total,regional", "--format", "ply"};
+    return {"run", scene, "--out", out.string(), "--track", "total,regional", "--format", "ply,usd"};
   }
 
   /// Seconds of a run that nobody stops.
@@ -142,7 +142,7 @@ class TrackReliability : public Reliability {
             "--out",      out.string(),
             "--fps",      "10",
             "--velocity", "material,regional",
-            "--format",   "ply"};
+            "--format",   "ply,usd"};
   }
   /// A run that was stopped after its first frame.
   fs::path stopped_track() const {

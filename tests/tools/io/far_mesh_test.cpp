@@ -78,6 +78,7 @@ TEST_F(FarMesh, IsReadBackAsItIs) {
     const std::vector<Vec2> texture(ball.vertices.size(), Vec2::Zero());
     const std::vector<Rgb> colour(ball.vertices.size(), Rgb{1, 2, 3});
     for (const auto& [name, format] : kMeshFormats) {
+      if (format == MeshFormat::usd) continue;  // usd_test.cpp
       const TriangleSurface found =
           read(format, mesh_bytes(format, {ball.vertices, normal, texture, colour, ball.triangles}));
       ASSERT_EQ(found.vertices.size(), ball.vertices.size()) << name << " at " << scale;

@@ -11,6 +11,9 @@
 #include <vtkPolyData.h>
 #include <vtk_jsoncpp.h>
 
+#include <Eigen/Geometry>
+#include <cstring>
+
 #include "tests/tools/scratch.h"
 
 namespace kappaflow {
@@ -64,6 +67,41 @@ TEST_F(Glb, ColoursAreLinear) {
   EXPECT_NEAR(component(*mesh, "COLOR_0", 2, 0) / whole, 0.5029, 1e-4);
   EXPECT_NEAR(component(*mesh, "COLOR_0", 2, 1) / whole, 10 / 255.0 / 12.92, 1e-5);
   EXPECT_EQ(component(*mesh, "COLOR_0", 0, 2), 0);
+}
+
+/// Two triangles that disagree about the texture at vertex 1: it is two vertices in the file.
+TEST_F(Glb, HoldsArraysAndATextureWithoutSeams) {
+  std::vector<Vec2> texture = kTexture;
+  texture.emplace_back(0.5, 0.125);
+  const std::vector<Triangle> corners{{0, 2, 1}, {0, 4, 3}, {1, 2, 3}, {2, 0, 3}};
+  const std::vector<PointArray> arrays{
+      {"rest", 3, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}, NumberType::float64},
+      {"id", 1, {7, 8, 9, 12}, NumberType::int64}};
+  const auto mesh = read(glb_bytes({kPosition, kNormal, texture, kColour, kTriangles, corners, arrays}));
+  ASSERT_TRUE(mesh);
+  ASSERT_EQ(mesh->GetNumberOfPoints(), 5);
+  for (std::size_t v = 0; v < 5; ++v) {
+    const std::size_t of = v < 4 ? v : 1;
+    EXPECT_LT((Vec3(mesh->GetPoint(static_cast<vtkIdType>(v))) - kPosition[of]).norm(), 1e-6);
+    EXPECT_EQ(component(*mesh, "_ID", v, 0), arrays[1].values[of]);
+    for (int c = 0; c < 3; ++c) EXPECT_EQ(component(*mesh, "_REST", v, c), arrays[0].values[3 * of + c]);
+  }
+  EXPECT_EQ(component(*mesh, "TEXCOORD_0", 4, 1), 0.875);
+  for (std::size_t t = 0; t < 4; ++t)
+    for (int c = 0; c < 3; ++c)
+      EXPECT_EQ(mesh->GetCell(static_cast<vtkIdType>(t))->GetPointId(c), corners[t][c]);
+}
+
+// glTF has y up: the node turns z there.
+TEST_F(Glb, AMeshWithZUpIsTurned) {
+  const std::string bytes = glb_bytes({kPosition, kNormal, kTexture, kColour, kTriangles, {}, {}, true});
+  Json::Value json;
+  std::uint32_t size = 0;
+  std::memcpy(&size, bytes.data() + 12, sizeof size);
+  ASSERT_TRUE(Json::Reader().parse(bytes.substr(20, size), json));
+  const Json::Value& q = json["nodes"][0]["rotation"];
+  const Eigen::Quaterniond rotation(q[3].asDouble(), q[0].asDouble(), q[1].asDouble(), q[2].asDouble());
+  EXPECT_LT((rotation * Vec3(1, 2, 3) - Vec3(1, 3, -2)).norm(), 1e-12);
 }
 
 TEST_F(Glb, ChunksAndLengthsAreThoseOfTheFile) {

@@ -181,6 +181,9 @@ TEST_F(DataFiles, BoundaryJoinsTheWalls) {
   EXPECT_EQ(data->GetNumberOfPoints(), 6);
   ASSERT_EQ(data->GetNumberOfPolys(), 2);
   EXPECT_EQ(data->GetCellData()->GetArray("wall")->GetTuple1(1), 1);
+  const auto read_by_ours = read_surface(folder / "a.vtp");
+  ASSERT_NE(read_by_ours->GetCellData()->GetArray("wall"), nullptr);
+  EXPECT_EQ(read_by_ours->GetCellData()->GetArray("wall")->GetTuple1(1), 1);
 }
 
 TEST_F(DataFiles, SurfacesAreReadToBeDrawn) {
@@ -247,6 +250,11 @@ TEST_F(DataFiles, SurfacesThatCannotBeDrawnAreOneLine) {
             begin + "has a triangle with the corner nan of 4 points" + end);
   EXPECT_EQ(message(square_text("0 1 2 3", "4")), begin + "polygon 0 is no triangle" + end);
   EXPECT_EQ(message(square_text("0 1 2 0 2", "3 6")), begin + "has 5 corners for 2 triangles" + end);
+  std::string with_array = square_text("0 1 2 0 2 3", "3 6");
+  with_array.insert(
+      with_array.find("<Polys>"),
+      R"(<CellData><DataArray type="Int32" Name="wall" format="ascii">0 1 1</DataArray></CellData>)");
+  EXPECT_EQ(message(with_array), begin + "array \"wall\" has 3 numbers for 2 triangles" + end);
   EXPECT_EQ(message(square_text("0 1 2 0 2 3", "3 6", "inf")), begin + "vertex 0 is nowhere" + end);
 }
 

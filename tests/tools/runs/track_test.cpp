@@ -443,9 +443,16 @@ TEST_F(Track, SPlisHSPlasHFramesEndToEnd) {
       EXPECT_LT((ply.vertices[ply.triangles[t][c]] - corner).norm(), 1e-6);
     }
   const std::string text = bytes_of(stem.string() + ".obj");
-  std::size_t texture = 0;
-  for (const std::string& line : split(text, '\n')) texture += line.starts_with("vt ");
-  EXPECT_EQ(texture, n);
+  std::size_t texture = 0, corner_texture = 0;
+  for (const std::string& line : split(text, '\n')) {
+    texture += line.starts_with("vt ");
+    if (!line.starts_with("f ")) continue;
+    for (const std::string& corner : split(line.substr(2), ' '))
+      corner_texture = std::max(corner_texture, std::stoul(split(corner, '/')[1]));
+  }
+  EXPECT_EQ(corner_texture, texture) << "those of the vertices, and further ones at the seams";
+  EXPECT_GT(texture, n);
+  EXPECT_LT(texture, n + n / 4);
   const double* first = mesh->GetPointData()->GetTCoords()->GetTuple2(0);
   EXPECT_NE(text.find(fmt::format("\nvt {:.5}", first[0]).substr(0, 8)), std::string::npos);
 }

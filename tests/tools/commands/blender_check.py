@@ -1,0 +1,166 @@
+"""Imports the USD files of a run in Blender and holds what it has against the .vtp files:
+
+    python3 blender_check.py RUN
+
+Vertices, triangles, texture coordinates, rest positions, ids and velocities in several frames, walls where they move
+to, and that pictures of Cycles with motion blur are blurred.
+"""
+import math
+import pathlib
+import sys
+
+import bpy
+import numpy
+
+import vtp_arrays
+
+run = pathlib.Path(sys.argv[1])
+METHOD = "regional"
+checked = 0
+
+
+def expect(condition, what):
+    global checked
+    checked += 1
+    if not condition:
+        sys.exit(f"blender_check: {what}")
+
+
+def expect_equal(found, wanted, what, tolerance):
+    found, wanted = numpy.asarray(found), numpy.asarray(wanted)
+    expect(found.shape == wanted.shape, f"{what}: {found.shape} instead of {wanted.shape}")
+    error = numpy.abs(found.astype(float) - wanted.astype(float)).max(initial=0)
+    expect(error <= tolerance, f"{what} is off by {error}")
+
+
+def values(collection, name, components, kind="f4"):
+    array = numpy.zeros(len(collection) * components, kind)
+    collection.foreach_get(name, array)
+    return array.reshape(-1, components) if components > 1 else array
+
+
+def attribute(mesh, name, components=1, kind="f4"):
+    expect(name in mesh.attributes, f"no attribute {name}; there are {', '.join(mesh.attributes.keys())}")
+    return values(mesh.attributes[name].data, "vector" if components == 3 else "value", components, kind)
+
+
+def surface_now():
+    """The surface's object, and its mesh as it is in the current frame."""
+    surface = bpy.data.objects[f"surface_{METHOD}"]
+    return surface, surface.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+
+
+def check_surface(frame):
+    bpy.context.scene.frame_set(frame)
+    surface = vtp_arrays.read(run / f"surface-{METHOD}/surface_{frame:04}.vtp")
+    mesh = surface_now()[1]
+    expect_equal(values(mesh.vertices, "co", 3), surface["Points"], f"positions in frame {frame}", 1e-6)
+    expect(all(p.loop_total == 3 for p in mesh.polygons), "some polygons are no triangles")
+    corners = values(mesh.loops, "vertex_index", 1, "i4")
+    expect_equal(corners, surface["triangles"].ravel(), "triangles", 0)
+    expect_equal(attribute(mesh, "rest", 3), surface["rest_position"], "rest", 1e-6)
+    expect_equal(attribute(mesh, "velocity", 3), surface["velocity"], "velocity", 1e-6)
+    expect_equal(attribute(mesh, "id", kind="i4"), surface["id"], "id", 0)
+    expect_equal(attribute(mesh, "mean_curvature"), surface["mean_curvature"], "mean_curvature", 1e-4)
+    texture = values(mesh.uv_layers["st"].data, "uv", 2).reshape(-1, 3, 2)
+    expect(numpy.ptp(texture, axis=1).max() < 0.4, "a triangle spans a seam of the texture")
+    per_vertex = surface["TCoords"][surface["triangles"]]
+    same = (numpy.abs(texture - per_vertex).max(axis=(1, 2)) < 1e-5).mean()
+    expect(same > 0.8, f"only {same:.0%} of the triangles have the .vtp's texture coordinates")
+    return len(mesh.vertices)
+
+
+def check_walls(frame):
+    bpy.context.scene.frame_set(frame)
+    walls = vtp_arrays.read(run / f"boundary/boundary_{frame:04}.vtp")
+    graph = bpy.context.evaluated_depsgraph_get()
+    for w in range(walls["wall"].max() + 1):
+        wall = bpy.data.objects[f"wall_{w}"].evaluated_get(graph)
+        local = bpy.data.objects["World"].evaluated_get(graph).matrix_world.inverted() @ wall.matrix_world
+        points = values(wall.data.vertices, "co", 3) @ numpy.array(local)[:3, :3].T + numpy.array(local)[:3, 3]
+        corners = values(wall.data.loops, "vertex_index", 1, "i4")
+        wanted = walls["Points"][walls["triangles"][walls["wall"] == w].ravel()]
+        expect_equal(points[corners], wanted, f"wall {w} in frame {frame}", 1e-5)
+
+
+def add_camera(surface, frame):
+    bpy.context.scene.frame_set(frame)
+    mesh = surface_now()[1]
+    points = values(mesh.vertices, "co", 3) @ numpy.array(surface.matrix_world)[:3, :3].T
+    middle, size = points.mean(axis=0), numpy.ptp(points, axis=0).max()
+    camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
+    camera.data.type, camera.data.ortho_scale = "ORTHO", 1.4 * size
+    camera.location = middle + [0, -5 * size, 0]
+    camera.rotation_euler = (math.pi / 2, 0, 0)
+    bpy.context.scene.collection.objects.link(camera)
+    bpy.context.scene.camera = camera
+
+
+def add_light():
+    sun = bpy.data.objects.new("sun", bpy.data.lights.new("sun", "SUN"))
+    sun.rotation_euler = (0.9, 0.2, 0.4)
+    bpy.context.scene.collection.objects.link(sun)
+
+
+def set_checker(surface):
+    material = bpy.data.materials.new("checker on rest")
+    material.use_nodes = True
+    nodes, links = material.node_tree.nodes, material.node_tree.links
+    rest, checker = nodes.new("ShaderNodeAttribute"), nodes.new("ShaderNodeTexChecker")
+    rest.attribute_name = "rest"
+    checker.inputs["Scale"].default_value = 20
+    links.new(rest.outputs["Vector"], checker.inputs["Vector"])
+    links.new(checker.outputs["Color"], nodes["Principled BSDF"].inputs["Base Color"])
+    surface.data.materials.clear()
+    surface.data.materials.append(material)
+
+
+def picture(name, blurred):
+    scene = bpy.context.scene
+    scene.render.engine = "CYCLES"
+    scene.cycles.device, scene.cycles.samples, scene.cycles.seed = "CPU", 64, 1
+    scene.render.resolution_x = scene.render.resolution_y = 160
+    scene.render.use_motion_blur, scene.render.motion_blur_shutter = blurred, 1.0
+    scene.render.filepath = str(run / name)
+    bpy.ops.render.render(write_still=True)
+    image = bpy.data.images.load(scene.render.filepath)
+    pixels = numpy.zeros(160 * 160 * 4, "f4")
+    image.pixels.foreach_get(pixels)
+    return pixels.reshape(160, 160, 4)[:, :, :3].mean(axis=2)
+
+
+def check_blur():
+    surface = surface_now()[0]
+    for other in bpy.data.objects:
+        other.hide_render = other.name.startswith(("wall", "particles"))
+    add_camera(surface, 2)
+    add_light()
+    set_checker(surface)
+    sharp, again, blurred = picture("sharp.png", False), picture("again.png", False), picture("blurred.png", True)
+    expect(sharp.std() > 0.05, "the picture is empty")
+    noise, changed = (numpy.abs(sharp - other).mean() for other in (again, blurred))
+    edges = [numpy.square(numpy.diff(p, axis=1)).sum() for p in (sharp, blurred)]  # across the motion
+    expect(changed > 0.01 and changed > 100 * noise, f"motion blur changes a pixel by {changed:.5f}, noise by {noise:.5f}")
+    expect(edges[1] < 0.7 * edges[0], f"edges are {edges[1] / edges[0]:.2f} as sharp")
+    print(f"motion blur changes a pixel by {changed:.3f}, noise by {noise:.6f}; edges are {edges[1] / edges[0]:.2f} as sharp")
+
+
+def main():
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.usd_import(filepath=str(run / "run.usda"))
+    bpy.context.scene.render.fps = 40
+    counts = {check_surface(frame) for frame in (0, 2, 4, 3)}
+    expect(len(counts) > 1, "the number of vertices never changes: nothing was tested")
+    for frame in (0, 2, 4):
+        check_walls(frame)
+    up = bpy.data.objects["World"].matrix_world.to_3x3()
+    expect(abs(up[2][2] - 1) < 1e-6, "z does not point up")
+    particles = bpy.data.objects["particles"].evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    frame = bpy.context.scene.frame_current
+    wanted = vtp_arrays.read(run / f"particles/particles_{frame:04}.vtp")["Points"]
+    expect_equal(values(particles.attributes["position"].data, "vector", 3), wanted, "particles", 1e-6)
+    check_blur()
+    print(f"Blender {bpy.app.version_string}: {checked} checks: all hold")
+
+
+main()

@@ -1,0 +1,16 @@
+# python_with(PACKAGE STATEMENTS): sets PYTHON to a Python that runs the statements: of tools/setup --usd or --blender, or the
+# system's. Where there is none it says so, and the test that includes this ends, skipped.
+macro(python_with package statements)
+  set(PYTHON "")
+  foreach(candidate ${SOURCE_DIR}/build/python/bin/python3 python3)
+    execute_process(COMMAND ${candidate} -c "${statements}" RESULT_VARIABLE result OUTPUT_QUIET ERROR_QUIET)
+    if(result EQUAL 0)
+      set(PYTHON ${candidate})
+      break()
+    endif()
+  endforeach()
+  if(NOT PYTHON)
+    message("${package} is not installed: skipped (tools/setup --usd or --blender installs it)")
+    return()
+  endif()
+endmacro()
