@@ -39,6 +39,7 @@ install(TARGETS kappaflow)
 install(DIRECTORY scenes DESTINATION share/kappaflow
         FILES_MATCHING PATTERN "*.toml" PATTERN "*.csv" PATTERN "*.vtp" PATTERN "*.md")
 install(FILES tools/paraview/open_run.py DESTINATION share/kappaflow/paraview)
+install(FILES tools/blender/picture.py DESTINATION share/kappaflow/blender)
 install(FILES tools/pysph/to_vtk.py DESTINATION share/kappaflow/pysph)
 install(CODE "set(SOURCE_DIR \"${PROJECT_SOURCE_DIR}\")
 set(BINARY_DIR \"${PROJECT_BINARY_DIR}\")
