@@ -222,7 +222,7 @@ std::string surface_elements(const RunFrames& frames, const PageRanges& ranges) 
   for (int frame = 0; frame < frames.count(); ++frame) {
     progress.show(frame);
     for (std::size_t m = 0; m < packers.size(); ++m) {
-      const auto surface = frames.surface(frames.methods()[m], frame);
+      const auto surface = page_surface(frames, ranges, frames.methods()[m], frame);
       elements +=
           data_element(fmt::format("surface-{}-{}", m, frame), packers[m].pack(quantised(*surface, ranges)));
     }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include "core/quantile.h"
 #include "tools/pictures/surface_arrays.h"
@@ -14,7 +15,7 @@
 namespace kappaflow {
 namespace {
 
-constexpr const char* kColoured[] = {"material_slip", "mean_curvature", "confidence"};
+constexpr const char* kColoured[] = {"material_slip", "mean_curvature", "confidence", kEmissionTimeArray};
 
 /// A colour's array, and the ends of its range in each surface so far, method by method in each frame.
 struct ColouredArray {
@@ -58,8 +59,11 @@ double typical_end(const std::vector<double>& ends, std::size_t methods) {
   return result;
 }
 
-/// A frame in which values are far from what they are else, as when liquid hits a wall, does not count.
+/// A frame in which values are far from what they are else, as when liquid hits a wall, does not count; of
+/// times all do, for they go on.
 ValueRange typical_range(const ColouredArray& field, std::size_t methods) {
+  if (field.array == std::string_view(kEmissionTimeArray))
+    return {std::ranges::min(field.lower), std::ranges::max(field.upper)};
   std::vector<double> lower = field.lower;
   for (double& end : lower) end = -end;
   return {-typical_end(lower, methods), typical_end(field.upper, methods)};
@@ -128,7 +132,8 @@ std::uint16_t quantised(double x, double lower, double upper) {
 PageRanges page_ranges(const RunFrames& frames) {
   constexpr double kFar = HUGE_VAL;
   const Bounds nothing{Vec3::Constant(kFar), Vec3::Constant(-kFar)};
-  PageRanges ranges{nothing, nothing, {}, {}, {}, {}};
+  PageRanges ranges{nothing, nothing, {}, {}, {}, {}, {}};
+  if (is_fed(frames)) ranges.emission.emplace(frames, frames.count() - 1);
   std::vector<ColouredArray> fields;
   for (const char* array : kColoured) fields.push_back({array});
   std::vector<vtkSmartPointer<vtkPolyData>> surfaces;
@@ -136,7 +141,8 @@ PageRanges page_ranges(const RunFrames& frames) {
   for (int frame = 0; frame < frames.count(); ++frame) {
     progress.show(frame);
     surfaces.clear();
-    for (const std::string& method : frames.methods()) surfaces.push_back(frames.surface(method, frame));
+    for (const std::string& method : frames.methods())
+      surfaces.push_back(page_surface(frames, ranges, method, frame));
     for (const auto& surface : surfaces) widen(ranges, fields, *surface);
     const std::vector<vtkPolyData*> parts(surfaces.begin(), surfaces.end());
     ranges.framing.push_back(liquid_framing(parts, frames.view()));
@@ -146,6 +152,13 @@ PageRanges page_ranges(const RunFrames& frames) {
   ranges.checker = checker_of(*surfaces.front());
   ranges.colours = colours_of(fields, surfaces.size(), *surfaces.front());
   return ranges;
+}
+
+vtkSmartPointer<vtkPolyData> page_surface(const RunFrames& frames, const PageRanges& ranges,
+                                          const std::string& method, int frame) {
+  auto surface = frames.surface(method, frame);
+  if (ranges.emission) ranges.emission->add_to(*surface, frame);
+  return surface;
 }
 
 QuantisedSurface quantised(vtkPolyData& surface, const PageRanges& ranges) {

@@ -2,12 +2,16 @@
 #pragma once
 
 #include <vtkPolyData.h>
+#include <vtkSmartPointer.h>
 
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "surface/field/field.h"
 #include "surface/measure/texture.h"
 #include "tools/pictures/colouring.h"
+#include "tools/pictures/emission.h"
 #include "tools/pictures/framing.h"
 #include "tools/pictures/run_frames.h"
 #include "tools/pictures/surface_packer.h"
@@ -18,13 +22,19 @@ namespace kappaflow {
 struct PageRanges {
   Bounds box, rest;  ///< around all positions and rest positions [m]
   Checker checker;
-  std::vector<double> times;       ///< of the frames [s]
-  std::vector<Framing> framing;    ///< of the frames, as a camera follows them in the run's view
-  std::vector<Colouring> colours;  ///< of slip, curvature and confidence those that all surfaces have
+  std::vector<double> times;              ///< of the frames [s]
+  std::vector<Framing> framing;           ///< of the frames, as a camera follows them in the run's view
+  std::optional<EmissionTimes> emission;  ///< of a run that liquid flows into
+  std::vector<Colouring>
+      colours;  ///< of slip, curvature, confidence and emission those that all surfaces have
 };
 
 /// Reads all surfaces. Throws InvalidInput, IoError.
 PageRanges page_ranges(const RunFrames& frames);
+
+/// A surface with all that the page shows of it. Throws IoError.
+vtkSmartPointer<vtkPolyData> page_surface(const RunFrames& frames, const PageRanges& ranges,
+                                          const std::string& method, int frame);
 
 /// What walls and surfaces are drawn from: 0 at the box's lower faces, 65535 at its upper ones.
 std::uint16_t quantised(double x, double lower, double upper);

@@ -1,5 +1,6 @@
 #include <cstdlib>
 
+#include "tests/tools/everything_scene.h"
 #include "tests/tools/image.h"
 #include "tests/tools/program.h"
 #include "tests/tools/scratch.h"
@@ -88,6 +89,22 @@ TEST_F(Page, NeedsNothingElse) {
   EXPECT_NE(page.find("default-src 'none'"), std::string::npos) << "the browser loads nothing";
   for (const char* link : {" src=", "href=", "@import", "url("})
     EXPECT_EQ(page.find(link), std::string::npos) << link;
+}
+
+TEST_F(Page, ShowsWhenLiquidCame) {
+  const std::string colour = "\"array\":\"emission_time\"";
+  EXPECT_EQ(bytes_of(run_folder / "page.html").find(colour), std::string::npos) << "nothing flows in";
+  const std::string out = (folder / "fed").string();
+  ASSERT_EQ(run_program({"run", file("everything.toml", kEverythingScene).string(), "--out", out,
+                         "--duration", "0.1", "--track", "material"})
+                .exit_code,
+            0);
+  const ProgramResult result = run_program({"page", out});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const std::string page = bytes_of(out + "/page.html");
+  const std::size_t begin = page.find(colour), range = page.find("\"range\":[", begin);
+  ASSERT_NE(begin, std::string::npos);
+  EXPECT_EQ(page.substr(range, page.find(']', range) - range), "\"range\":[0.0,0.1") << "from beginning to end";
 }
 
 TEST_F(Page, SaysWhereItIs) {

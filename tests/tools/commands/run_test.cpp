@@ -122,6 +122,7 @@ void expect_record(const fs::path& run) {
   EXPECT_EQ(record["scene"]["hash"].asString(), text_hash(bytes_of(kSmallScene)));
   EXPECT_EQ(record["threads"].asInt(), 1);
   EXPECT_EQ(record["particles"].asInt(), 1000);
+  EXPECT_EQ(record["texture"].asString(), "box");
   EXPECT_EQ(record["command"][1].asString(), "run");
   EXPECT_EQ(record["options"]["duration"].asDouble(), 0.15);
   EXPECT_EQ(record["methods"].size(), 2u);

@@ -2,7 +2,7 @@
 
 const byId = id => document.getElementById(id);
 const charts = makeCharts(time => seek(frameAt(time)));
-const COLOUR_NAMES = {material_slip: 'Slip', mean_curvature: 'Curvature', confidence: 'Confidence'};
+const COLOUR_NAMES = {material_slip: 'Slip', mean_curvature: 'Curvature', confidence: 'Confidence', emission_time: 'Time of inflow'};
 const SLOW = 45, FAST = 22;   // between two drawings while things move [ms]
 const LEAST_SHARPNESS = 0.5;
 const REST = 250;             // after which all is sharp again [ms]
@@ -217,7 +217,7 @@ async function start() {
   if (!gl) throw new Error('this browser has no WebGL 2');
   startDrawing();
   makeControls();
-  setColour(-1);
+  setColour(run.colours.findIndex(({array}) => array === 'emission_time'));  // the checker where nothing flows in
   const message = byId('message');
   message.textContent = 'Unpacking…';
   if (run.walls) await loadWalls();
