@@ -7,6 +7,7 @@ The picture shows the last frame, or the frame nearest to the time [s] given as 
 """
 
 import json
+import math
 import os
 import sys
 from xml.etree import ElementTree
@@ -45,8 +46,9 @@ def show(run, method, pvd, view):
     view.OrientationAxesVisibility = 0
 
 
-def aim(view, run):
-    """From where the run's scene says, else from above at an angle with y up."""
+def aim(view, run, liquid=None):
+    """From where the run's scene says, else from above at an angle with y up, so that all fills the view, or what is
+    within these bounds."""
     with open(os.path.join(run, "run.json"), encoding="utf-8") as record:
         direction = json.load(record).get("view", {"from": [0.9, 0.65, 1], "up": [0, 1, 0]})
     view.CameraFocalPoint = [0, 0, 0]
@@ -54,6 +56,13 @@ def aim(view, run):
     view.CameraViewUp = direction["up"]
     view.CameraViewAngle = 24
     simple.ResetCamera(view)
+    if liquid is None:
+        return
+    centre = [0.5 * (liquid[2 * axis] + liquid[2 * axis + 1]) for axis in range(3)]
+    radius = 0.5 * math.dist(liquid[0::2], liquid[1::2])
+    away = 1.1 * radius / math.sin(math.radians(view.CameraViewAngle / 2)) / math.hypot(*direction["from"])
+    view.CameraFocalPoint = centre
+    view.CameraPosition = [c + away * d for c, d in zip(centre, direction["from"])]
 
 
 def open_run(run):
@@ -72,24 +81,27 @@ def open_run(run):
         views.append(view)
     scene = simple.GetAnimationScene()
     scene.UpdateAnimationUsingDataTimeSteps()
-    return layout, views, scene
+    return layout, views, methods, scene
 
 
 def main():
     run = sys.argv[1] if len(sys.argv) > 1 else os.environ.get("KAPPAFLOW_RUN", "")
     if not os.path.exists(os.path.join(run, "run.pvd")):
         sys.exit(f"'{run}' holds no run.pvd; name a run folder as the first word or in KAPPAFLOW_RUN")
-    layout, views, scene = open_run(run)
+    layout, views, methods, scene = open_run(run)
     times = scene.TimeKeeper.TimestepValues
     wanted = float(sys.argv[3]) if len(sys.argv) > 3 else times[-1]
     scene.AnimationTime = min(times, key=lambda time: abs(time - wanted))
-    for view in views:
+    liquid = None
+    for view, method in zip(views, methods):
         simple.Render(view)
-        aim(view, run)
+        if len(sys.argv) > 2:  # a picture is of the liquid; who plays the run sees all of it
+            liquid = liquid or simple.FindSource(method).GetDataInformation().GetBounds()
+        aim(view, run, liquid)
     for number, view in enumerate(views[1:], start=2):
         simple.AddCameraLink(views[0], view, f"camera of view {number}")
     if len(sys.argv) > 2:
-        layout.SetSize(900 * len(views), 800)
+        layout.SetSize(640 * len(views), 560)
         simple.SaveScreenshot(sys.argv[2], layout)
 
 
