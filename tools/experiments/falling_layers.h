@@ -20,6 +20,9 @@ class FallingLayers {
   std::size_t first_below(double y, std::size_t layer) const;
   std::size_t first_slower(double speed, std::size_t layer) const;
 
+  /// Where the line through the centers first comes down to y [m].
+  Vec3 crossing(double y) const;
+
  private:
   Vec3 mean(const std::vector<Vec3>& values, std::size_t layer) const;
 
