@@ -90,6 +90,40 @@ thickness = 0.02
 methods = ["regional"]
 )";
 
+constexpr const char* kTwoThreads = R"(
+duration = 1.2
+[fluid]
+spacing = 0.004
+density = 1400.0
+dynamic_viscosity = 14.0
+surface_tension = 0.06
+[[fluid.emitter]]
+shape = "disc"
+position = [-0.05, 0.07, 0.0]
+direction = [0.0, -1.0, 0.0]
+radius = 0.01
+speed = 0.7
+[[fluid.emitter]]
+shape = "rectangle"
+position = [0.11, 0.06, 0.0]
+direction = [-1.0, 0.0, 0.0]
+width = 0.024
+height = 0.012
+up = [0.0, 1.0, 0.0]
+speed = 0.45
+dynamic_viscosity = 1.4
+end = 1.0
+[[wall]]
+shape = "box"
+lower = [-0.16, -0.012, -0.1]
+upper = [0.16, 0.0, 0.1]
+[surface]
+sigma = 2.5
+methods = ["material"]
+[output]
+frames_per_second = 25.0
+)";
+
 constexpr const char* kDropIntoAPool = R"(
 duration = 0.5
 [fluid]
@@ -135,7 +169,7 @@ TEST(Estimate, IsWithinAFactorOfTwoOfWhatRunsTook) {
   for (const auto& [name, scene, steps, vertices, seconds] :
        {Recorded{"staircase-small", shipped("staircase-small"), 80, 1233, 1.9},
         Recorded{"staircase, 1 s", first_second, 250, 7118, 66},
-        Recorded{"honey", shipped("honey"), 758, 4199, 31},
+        Recorded{"two threads", parse_scene(kTwoThreads, "threads.toml"), 758, 4199, 31},
         Recorded{"splash", shipped("splash"), 353, 15705, 144},
         Recorded{"pour", parse_scene(kPour, "pour.toml"), 515, 3033, 18},
         Recorded{"drop", parse_scene(kDropIntoAPool, "drop.toml"), 152, 7051, 14}}) {

@@ -20,7 +20,7 @@ std::string text_after(double mean, double max, double tolerance, double viscosi
   return summary_text(summary, "A run", {}, "out/run");
 }
 
-// The first two are what the shipped scenes come to: honey, splash.
+// The first two are what scenes come to: threads that pile up, and the shipped splash.
 TEST(Summary, WarnsOfLiquidThatWasSqueezed) {
   EXPECT_EQ(text_after(1.8e-3, 0.15, 1e-4).find("warning"), std::string::npos);
   EXPECT_EQ(text_after(6e-4, 0.37, 1e-4).find("warning"), std::string::npos);
