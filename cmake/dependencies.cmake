@@ -37,8 +37,6 @@ pkg_search_module(HDF5 QUIET IMPORTED_TARGET hdf5-serial hdf5)
 kappaflow_check(HDF5 1.10 libhdf5-dev "${HDF5_FOUND}" "${HDF5_VERSION}")
 pkg_check_modules(CMARK_GFM QUIET IMPORTED_TARGET libcmark-gfm)
 kappaflow_check(cmark-gfm 0.29 libcmark-gfm-dev "${CMARK_GFM_FOUND}" "${CMARK_GFM_VERSION}")
-find_library(CMARK_GFM_EXTENSIONS cmark-gfm-extensions)  # has no .pc file
-kappaflow_check("the extensions of cmark-gfm" 0.29 libcmark-gfm-extensions-dev "${CMARK_GFM_EXTENSIONS}" "")
 kappaflow_needs(X11 1.8 libx11-dev)  # to ask for a display before VTK's rendering aborts without one
 kappaflow_needs(VTK 9.1 libvtk9-dev COMPONENTS
                 CommonColor CommonCore CommonDataModel FiltersCore IOCore IOGeometry IOLegacy IOXML IOImage jsoncpp

@@ -123,19 +123,19 @@ CoilingResult run_coiling(Scene scene, const Regime& regime) {
 }
 
 void judge(const std::vector<CoilingResult>& results, Report& report) {
-  std::vector<Bounded> frequency, radius, convergence;
+  std::vector<Check> frequency, radius, convergence;
   for (std::size_t k = 0; k < results.size(); ++k) {
     const CoilingResult& r = results[k];
     const std::string at = fmt::format("{}, spacing {:.3g} m", r.regime->name, r.spacing);
     const bool finest = k + 1 == results.size() || results[k + 1].regime != r.regime;
-    if (finest) frequency.push_back({at, r.frequency_error(), kFrequencyLimit});
-    radius.push_back({at, r.radius_error(), kThreadLimit});
+    if (finest) frequency.push_back(at_most(at, r.frequency_error(), kFrequencyLimit));
+    radius.push_back(at_most(at, r.radius_error(), kThreadLimit));
     if (k > 0 && results[k - 1].regime == r.regime)
       convergence.push_back(
-          {r.regime->name, std::abs(r.frequency / results[k - 1].frequency - 1), kSpacingLimit});
+          at_most(r.regime->name, std::abs(r.frequency / results[k - 1].frequency - 1), kSpacingLimit));
   }
-  report.statements = {within_limits(kFrequency, frequency), within_limits(kThreadRadius, radius)};
-  if (!convergence.empty()) report.statements.push_back(within_limits(kConverges, convergence));
+  report.statements = {judged(kFrequency, frequency), judged(kThreadRadius, radius)};
+  if (!convergence.empty()) report.statements.push_back(judged(kConverges, convergence));
 }
 
 std::vector<Plot> turn_plots(const std::vector<CoilingResult>& results) {
@@ -143,12 +143,13 @@ std::vector<Plot> turn_plots(const std::vector<CoilingResult>& results) {
   for (const CoilingResult& r : results) {
     if (plots.empty() || plots.back().title != r.regime->name)
       plots.push_back({r.regime->name, "t [s]", "turns", {}});
-    plots.back().curves.push_back({fmt::format("spacing {:.3g} m", r.spacing), r.turned});
+    plots.back().curves.push_back({fmt::format("spacing {:.3g} mm", 1000 * r.spacing), r.turned});
     if (&r != &results.back() && (&r)[1].regime == r.regime) continue;
     const double first = r.turned.front().x(), last = r.turned.back().x();
     plots.back().curves.push_back(
         {"slender thread",
-         {{first, 0}, {last, r.theory.frequency * (last - first) / (2 * std::numbers::pi)}}});
+         {{first, 0}, {last, r.theory.frequency * (last - first) / (2 * std::numbers::pi)}},
+         Look::reference});
   }
   return plots;
 }
@@ -174,7 +175,6 @@ Report validate_coiling(const ExperimentContext& context) {
       for (const Vec2& p : r.turned) turns.push_back({regime.viscosity, r.spacing, p.x(), p.y()});
     }
   }
-  draw_plots(context.folder, context.name, turn_plots(results));
   write_file(context.folder / "turns.csv", csv_text("viscosity,spacing,time,turns", turns));
   write_file(context.folder / "summary.csv",
              csv_text("viscosity,gravity,spacing,particles,height,frequency,theory_frequency,frequency_error,"
@@ -192,9 +192,9 @@ Report validate_coiling(const ExperimentContext& context) {
   add_smaller(report, "spacing", spacings_text(scene, factors), spacings_text(scene, whole));
   if (quick) add_smaller(report, "regimes", "1", "2");
   judge(results, report);
-  report.figures = {
-      {context.name + ".png", "How often the thread has turned, and a slender thread would have."}};
-  report.files = {"summary.csv", "turns.csv", context.name + ".gp"};
+  add_plots(report, context, context.name, turn_plots(results),
+            "How often the thread has turned, and a slender thread would have.");
+  report.files = {"summary.csv", "turns.csv"};
   return report;
 }
 

@@ -131,14 +131,14 @@ Report chapter(const ExperimentContext& context, const ScenePart& part, std::str
   report.name = context.name;
   report.title = part.scene.title;
   report.introduction = std::move(introduction);
-  report.files = {"history.csv", context.name + ".gp"};
+  report.files = {"history.csv"};
   return report;
 }
 
-void write_history(const ExperimentContext& context, const History& history, const std::string& header,
-                   const Plot& plot) {
-  draw_plots(context.folder, context.name, std::vector{plot});
+void add_history(Report& report, const ExperimentContext& context, const History& history,
+                 const std::string& header, const Plot& plot, const std::string& caption) {
   write_file(context.folder / "history.csv", csv_text(header, history));
+  add_plots(report, context, context.name, std::vector{plot}, caption);
 }
 
 struct DropResult {
@@ -229,20 +229,20 @@ Report validate_drop(const ExperimentContext& context) {
   const ScenePart part = scene_part(context, 5);
   context.say("spinning");
   const DropResult r = run_drop(part.scene);
-  write_history(context, r.history, "time,linear_error,angular_error,reach,kinetic_energy",
-                {"Change of a drop's momentum",
-                 "t [s]",
-                 "relative to the start",
-                 {curve_of(r.history, "linear", 1), curve_of(r.history, "angular", 2)},
-                 true});
   Report report = chapter(
       context, part,
       fmt::format("`{}`: {} particles, {} steps; the drop spins with rho omega^2 R^3 / (8 sigma) = {}.",
                   context.file.filename().string(), r.particles, r.history.size(), kRotationalBond));
-  report.statements = {within_limits(kDropKeepsLinear, {{"", r.linear_error, kMomentumLimit}}),
-                       within_limits(kDropKeepsAngular, {{"", r.angular_error, kAngularLimit}}),
-                       within_limits(kDropStaysWhole, {{"", r.reach, kRadiusLimit}})};
-  report.figures = {{context.name + ".png", "What rounding takes from the momentum."}};
+  report.statements = {judged(kDropKeepsLinear, {at_most("", r.linear_error, kMomentumLimit)}),
+                       judged(kDropKeepsAngular, {at_most("", r.angular_error, kAngularLimit)}),
+                       judged(kDropStaysWhole, {at_most("", r.reach, kRadiusLimit)})};
+  add_history(report, context, r.history, "time,linear_error,angular_error,reach,kinetic_energy",
+              {"Change of a drop's momentum",
+               "t [s]",
+               "relative to the start",
+               {curve_of(r.history, "linear", 1), curve_of(r.history, "angular", 2)},
+               true},
+              "What rounding takes from the momentum.");
   return report;
 }
 
@@ -250,21 +250,21 @@ Report validate_basin(const ExperimentContext& context) {
   const ScenePart part = scene_part(context, 3);
   context.say("resting");
   const BasinResult r = run_basin(part.scene);
-  write_history(context, r.history, "time,fastest,mean,kinetic_energy",
-                {"Speeds of a liquid at rest",
-                 "t [s]",
-                 "speed / sqrt(g h)",
-                 {curve_of(r.history, "fastest", 1), curve_of(r.history, "mean", 2)},
-                 true});
   Report report = chapter(context, part,
                           fmt::format("`{}`: {} particles for {:.3g} s; the first third is left out.",
                                       context.file.filename().string(), r.particles, part.scene.duration));
   const double noise = kLeastEnergy * part.scene.duration / 3;
   report.statements = {
-      within_limits(kBasinStaysAtRest,
-                    {{"fastest", r.fastest, kFastestAtRest}, {"mean", r.mean, kMeanAtRest}}),
-      within_limits(kBasinIsNotStirred, {{"", r.energy[1] / std::max(r.energy[0], noise), kEnergyGrowth}})};
-  report.figures = {{context.name + ".png", "The fastest particle and the mean."}};
+      judged(kBasinStaysAtRest,
+             {at_most("fastest", r.fastest, kFastestAtRest), at_most("mean", r.mean, kMeanAtRest)}),
+      judged(kBasinIsNotStirred, {at_most("", r.energy[1] / std::max(r.energy[0], noise), kEnergyGrowth)})};
+  add_history(report, context, r.history, "time,fastest,mean,kinetic_energy",
+              {"Speeds of a liquid at rest",
+               "t [s]",
+               "speed / sqrt(g h)",
+               {curve_of(r.history, "fastest", 1), curve_of(r.history, "mean", 2)},
+               true},
+              "The fastest particle and the mean.");
   return report;
 }
 
@@ -272,16 +272,19 @@ Report validate_falling(const ExperimentContext& context) {
   const ScenePart part = scene_part(context, 2);
   context.say("falling");
   const FallingResult r = run_falling(part.scene);
-  write_history(context, r.history, "time,fastest,free_fall,compression_max,time_step,density_iterations",
-                {"Thin liquid falls off stairs",
-                 "t [s]",
-                 "speed [m/s]",
-                 {curve_of(r.history, "fastest particle", 1), curve_of(r.history, "free fall", 2)}});
+  Curve free_fall = curve_of(r.history, "free fall", 2);
+  free_fall.look = Look::reference;
   Report report = chapter(context, part,
                           fmt::format("`{}`: {} particles; largest compression of a particle {:.3g} %.",
                                       context.file.filename().string(), r.particles, 100 * r.compression));
-  report.statements = {within_limits(kNotFasterThanFree, {{"", r.fastest, kFasterThanFree}})};
-  report.figures = {{context.name + ".png", "The fastest particle, and a free fall from the highest one."}};
+  report.statements = {judged(kNotFasterThanFree, {at_most("", r.fastest, kFasterThanFree)})};
+  add_history(report, context, r.history,
+              "time,fastest,free_fall,compression_max,time_step,density_iterations",
+              {"Thin liquid falls off stairs",
+               "t [s]",
+               "speed [m/s]",
+               {curve_of(r.history, "fastest particle", 1), free_fall}},
+              "The fastest particle, and a free fall from the highest one.");
   return report;
 }
 

@@ -22,7 +22,6 @@
 #include "tools/experiments/rigid_figures.h"
 #include "tools/experiments/validation.h"
 #include "tools/io/files.h"
-#include "tools/pictures/plot.h"
 #include "tools/runs/progress.h"
 #include "tools/runs/run_record.h"
 #include "tools/runs/timings.h"
@@ -82,10 +81,44 @@ Report with_folder(Report report, const std::string& folder) {
   return report;
 }
 
+/// Of a path the last name.
+std::string last_part(const std::string& path) {
+  const fs::path whole(path);
+  return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
+}
+
+/// The command without folders of this machine.
+std::string command_text(const std::vector<std::string>& words) {
+  std::vector<std::string> shown;
+  for (const std::string& word : words) {
+    const std::size_t path = word.starts_with("--") ? word.find('=') + 1 : 0;
+    const bool from_root = shown.empty() || (path < word.size() && word[path] == '/');
+    shown.push_back(from_root ? word.substr(0, path) + last_part(word.substr(path)) : word);
+  }
+  return fmt::format("{}", fmt::join(shown, " "));
+}
+
+std::string report_title(const std::vector<const Experiment*>& list, bool quick) {
+  const bool validations = std::ranges::all_of(
+      list, [](const Experiment* experiment) { return experiment->name.starts_with(kValidationPrefix); });
+  return fmt::format("kappaflow {}{}", validations ? "validations" : "experiments", quick ? " (quick)" : "");
+}
+
 }  // namespace
 
 void ExperimentContext::say(const std::string& text) const {
   if (!options.quiet) draw_status_line(fmt::format("{}: {}", name, text));
+}
+
+void add_plots(Report& report, const ExperimentContext& context, const std::string& name,
+               std::span<const Plot> plots, const std::string& caption) {
+  draw_plots(context.folder, name, plots);
+  report.figures.push_back(
+      {name + ".png", caption, plots.size() > 1 ? Figure::Kind::page_plot : Figure::Kind::column_plot});
+}
+
+Table beside_paper(const std::string& figure, std::vector<std::vector<std::string>> rows) {
+  return {"", {figure, "Fujisawa et al. 2011", "here"}, std::move(rows)};
 }
 
 void add_smaller(Report& report, const std::string& what, const std::string& has, const std::string& whole) {
@@ -154,9 +187,8 @@ void run_experiments(const ExperimentOptions& options) {
         fmt::format("{} already holds a report; --force replaces it", options.folder.string()));
   require_gnuplot();
   const fs::path scenes = options.scenes.empty() ? default_scenes() : options.scenes;
-  const ReportHead head{options.quick ? "kappaflow experiments (quick)" : "kappaflow experiments",
-                        fmt::format("kappaflow {}", kVersion),
-                        fmt::format("{}", fmt::join(options.command, " ")), time_now()};
+  const ReportHead head{report_title(list, options.quick), fmt::format("kappaflow {}", kVersion),
+                        command_text(options.command), time_now()};
   std::vector<Report> reports;
   for (const Experiment* experiment : list) {
     const std::string name(experiment->name);

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "tools/pictures/plot.h"
 #include "tools/pictures/report.h"
 
 namespace kappaflow {
@@ -39,6 +40,13 @@ struct ExperimentContext {
 
 /// Adds to Report::smaller what a smaller variant has in place of the whole one's, where the two differ.
 void add_smaller(Report& report, const std::string& what, const std::string& has, const std::string& whole);
+
+/// Draws the plots into the context's folder (draw_plots()), and puts them into the chapter.
+void add_plots(Report& report, const ExperimentContext& context, const std::string& name,
+               std::span<const Plot> plots, const std::string& caption);
+
+/// What the paper says of a figure beside what came out here: rows of what, the paper, here.
+Table beside_paper(const std::string& figure, std::vector<std::vector<std::string>> rows);
 
 /// Runs one experiment, writes its files into context.folder, and fills in its chapter; names of files in the
 /// chapter are relative to context.folder.

@@ -129,18 +129,18 @@ FoldingResult run_folding(Scene scene, const Regime& regime) {
 }
 
 void judge(const std::vector<FoldingResult>& results, Report& report) {
-  std::vector<Bounded> frequency, convergence, plane;
+  std::vector<Check> frequency, convergence, plane;
   for (std::size_t k = 0; k < results.size(); ++k) {
     const FoldingResult& r = results[k];
     const std::string at = fmt::format("{}, spacing {:.3g} m", r.regime->name, r.spacing);
-    frequency.push_back({at, std::abs(r.error()), kFrequencyLimit});
-    plane.push_back({at, r.out_of_plane, kPlaneLimit});
+    frequency.push_back(at_most(at, std::abs(r.error()), kFrequencyLimit));
+    plane.push_back(at_most(at, r.out_of_plane, kPlaneLimit));
     if (k > 0 && results[k - 1].regime == r.regime)
       convergence.push_back(
-          {r.regime->name, std::abs(r.frequency / results[k - 1].frequency - 1), kSpacingLimit});
+          at_most(r.regime->name, std::abs(r.frequency / results[k - 1].frequency - 1), kSpacingLimit));
   }
-  report.statements = {within_limits(kFrequency, frequency), within_limits(kPlane, plane)};
-  if (!convergence.empty()) report.statements.push_back(within_limits(kConverges, convergence));
+  report.statements = {judged(kFrequency, frequency), judged(kPlane, plane)};
+  if (!convergence.empty()) report.statements.push_back(judged(kConverges, convergence));
 }
 
 std::vector<Plot> sway_plots(const std::vector<FoldingResult>& results) {
@@ -148,7 +148,7 @@ std::vector<Plot> sway_plots(const std::vector<FoldingResult>& results) {
   for (const FoldingResult& r : results) {
     if (plots.empty() || plots.back().title != r.regime->name)
       plots.push_back({r.regime->name, "t [s]", "x a third of the way down [m]", {}});
-    plots.back().curves.push_back({fmt::format("spacing {:.3g} m", r.spacing), r.sway});
+    plots.back().curves.push_back({fmt::format("spacing {:.3g} mm", 1000 * r.spacing), r.sway});
   }
   return plots;
 }
@@ -173,7 +173,6 @@ Report validate_folding(const ExperimentContext& context) {
       for (const Vec2& p : r.sway) sway.push_back({regime.viscosity, r.spacing, p.x(), p.y()});
     }
   }
-  draw_plots(context.folder, context.name, sway_plots(results));
   write_file(context.folder / "sway.csv", csv_text("viscosity,spacing,time,x", sway));
   write_file(context.folder / "summary.csv",
              csv_text("viscosity,gravity,spacing,particles,height,frequency,theory_frequency,frequency_error,"
@@ -189,9 +188,9 @@ Report validate_folding(const ExperimentContext& context) {
   add_smaller(report, "spacing", spacings_text(scene, factors), spacings_text(scene, whole));
   if (quick) add_smaller(report, "regimes", "1", "2");
   judge(results, report);
-  report.figures = {
-      {context.name + ".png", "Where the strip is a third of the way down: each sweep is a fold."}};
-  report.files = {"summary.csv", "sway.csv", context.name + ".gp"};
+  add_plots(report, context, context.name, sway_plots(results),
+            "Where the strip is a third of the way down: each sweep is a fold.");
+  report.files = {"summary.csv", "sway.csv"};
   return report;
 }
 

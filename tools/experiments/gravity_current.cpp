@@ -76,12 +76,12 @@ GravityCurrentResult run_gravity_current(const Scene& scene) {
 }
 
 void judge(const std::vector<GravityCurrentResult>& results, Report& report) {
-  std::vector<Bounded> exponent, coefficient;
+  std::vector<Check> exponent, coefficient;
   std::string fits;
   for (const GravityCurrentResult& r : results) {
     const std::string at = fmt::format("spacing {:.3g} m", r.spacing);
-    exponent.push_back({at, std::abs(r.fit.exponent - kExponent), kExponentLimit});
-    coefficient.push_back({at, std::abs(r.coefficient_error), kCoefficientLimit});
+    exponent.push_back(at_most(at, std::abs(r.fit.exponent - kExponent), kExponentLimit));
+    coefficient.push_back(at_most(at, std::abs(r.coefficient_error), kCoefficientLimit));
     fits += fmt::format("{}{}: exponent {:.4f}, coefficient {:.4f}", fits.empty() ? "" : "; ", at,
                         r.fit.exponent, kCoefficient * (1 + r.coefficient_error));
   }
@@ -89,8 +89,8 @@ void judge(const std::vector<GravityCurrentResult>& results, Report& report) {
     claim.reason += fmt::format(" {}.", fits);
     return claim;
   };
-  report.statements = {within_limits(with_fits(kGoesWithEighthRoot), exponent),
-                       within_limits(with_fits(kHasHuppertsCoefficient), coefficient)};
+  report.statements = {judged(with_fits(kGoesWithEighthRoot), exponent),
+                       judged(with_fits(kHasHuppertsCoefficient), coefficient)};
 }
 
 }  // namespace
@@ -101,7 +101,7 @@ Report validate_gravity_current(const ExperimentContext& context) {
   std::vector<GravityCurrentResult> results;
   std::vector<std::vector<double>> rows, fronts;
   Plot plot{"Front of the current", "r [m]", "r (g V^3 t / (3 nu))^(-1/8)", {}};
-  plot.curves.push_back({"Huppert 1982", {{1, kCoefficient}, {2, kCoefficient}}});
+  plot.curves.push_back({"Huppert 1982", {{1, kCoefficient}, {2, kCoefficient}}, Look::reference});
   for (const double factor : factors) {
     const Scene refined = with_spacing(scene, factor * scene.fluid.spacing);
     context.say(fmt::format("spacing {:.3g} m", refined.fluid.spacing));
@@ -114,7 +114,6 @@ Report validate_gravity_current(const ExperimentContext& context) {
                     kCoefficient * (1 + r.coefficient_error), r.coefficient_error});
     for (const Vec2& p : r.fronts) fronts.push_back({r.spacing, p.x(), p.y()});
   }
-  draw_plots(context.folder, context.name, std::vector{plot});
   write_file(context.folder / "fronts.csv", csv_text("spacing,scaled_time,front", fronts));
   write_file(context.folder / "summary.csv",
              csv_text("spacing,particles,exponent,coefficient,coefficient_error", rows));
@@ -130,9 +129,9 @@ Report validate_gravity_current(const ExperimentContext& context) {
       context.file.filename().string(), scene.duration);
   add_smaller(report, "spacing", spacings_text(scene, factors), spacings_text(scene, whole));
   judge(results, report);
-  report.figures = {
-      {context.name + ".png", "The coefficient on the way, and that of the similarity solution."}};
-  report.files = {"summary.csv", "fronts.csv", context.name + ".gp"};
+  add_plots(report, context, context.name, std::vector{plot},
+            "The coefficient on the way, and that of the similarity solution.");
+  report.files = {"summary.csv", "fronts.csv"};
   return report;
 }
 

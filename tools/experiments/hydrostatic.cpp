@@ -131,17 +131,17 @@ HydrostaticResult run_hydrostatic(const Scene& scene) {
 }
 
 void judge(const std::vector<HydrostaticResult>& results, Report& report) {
-  std::vector<Bounded> pressure, level, speed;
+  std::vector<Check> pressure, level, speed;
   for (const HydrostaticResult& r : results) {
     const std::string at = fmt::format("spacing {:.3g} m", r.spacing);
-    pressure.push_back({"error, " + at, r.pressure_error, kPressureLimit});
-    pressure.push_back({"slope, " + at, r.slope_error, kSlopeLimit});
-    pressure.push_back({"fluctuation, " + at, r.fluctuation, kFluctuationLimit});
-    level.push_back({at, r.level_error, kLevelLimit});
-    speed.push_back({at, r.speed, kRestSpeedLimit});
+    pressure.push_back(at_most("error, " + at, r.pressure_error, kPressureLimit));
+    pressure.push_back(at_most("slope, " + at, r.slope_error, kSlopeLimit));
+    pressure.push_back(at_most("fluctuation, " + at, r.fluctuation, kFluctuationLimit));
+    level.push_back(at_most(at, r.level_error, kLevelLimit));
+    speed.push_back(at_most(at, r.speed, kRestSpeedLimit));
   }
-  report.statements = {within_limits(kPressureIsHydrostatic, pressure), within_limits(kLevelStays, level),
-                       within_limits(kLiquidIsAtRest, speed)};
+  report.statements = {judged(kPressureIsHydrostatic, pressure), judged(kLevelStays, level),
+                       judged(kLiquidIsAtRest, speed)};
 }
 
 }  // namespace
@@ -150,19 +150,21 @@ Report validate_hydrostatic(const ExperimentContext& context) {
   const Scene scene = load_scene(context.file);
   const std::vector<double> whole{1.0, 0.5}, factors = context.options.quick ? std::vector{1.0} : whole;
   std::vector<HydrostaticResult> results;
-  Plot plot{"Pressure at rest", "height / depth", "p / (rho g depth)", {{"exact", {{0, 1}, {1, 0}}}}};
+  Plot plot{"Pressure at rest",
+            "height / depth",
+            "p / (rho g depth)",
+            {{"exact", {{0, 1}, {1, 0}}, Look::reference}}};
   std::vector<std::vector<double>> rows, profiles;
   for (const double factor : factors) {
     const Scene refined = with_spacing(scene, factor * scene.fluid.spacing);
     context.say(fmt::format("spacing {:.3g} m", refined.fluid.spacing));
     results.push_back(run_hydrostatic(refined));
     const HydrostaticResult& r = results.back();
-    plot.curves.push_back({fmt::format("spacing {:.3g} m", r.spacing), r.profile});
+    plot.curves.push_back({fmt::format("spacing {:.3g} m", r.spacing), r.profile, Look::points});
     rows.push_back({r.spacing, static_cast<double>(r.particles), r.pressure_error, r.slope_error,
                     r.fluctuation, r.level_error, r.speed});
     for (const Vec2& p : r.profile) profiles.push_back({r.spacing, p.x(), p.y()});
   }
-  draw_plots(context.folder, context.name, std::vector{plot});
   write_file(context.folder / "profiles.csv", csv_text("spacing,height,pressure", profiles));
   write_file(context.folder / "summary.csv",
              csv_text("spacing,particles,pressure_error,slope_error,fluctuation,level_error,speed", rows));
@@ -174,8 +176,9 @@ Report validate_hydrostatic(const ExperimentContext& context) {
                                     context.file.filename().string(), scene.duration);
   add_smaller(report, "spacing", spacings_text(scene, factors), spacings_text(scene, whole));
   judge(results, report);
-  report.figures = {{context.name + ".png", "Mean pressure of the layers against the depth."}};
-  report.files = {"summary.csv", "profiles.csv", context.name + ".gp"};
+  add_plots(report, context, context.name, std::vector{plot},
+            "Mean pressure of the layers against the depth.");
+  report.files = {"summary.csv", "profiles.csv"};
   return report;
 }
 

@@ -13,7 +13,7 @@
 #include "surface/remesh/initial_mesh.h"
 #include "tools/io/files.h"
 #include "tools/io/particle_file.h"
-#include "tools/pictures/plot.h"
+#include "tools/pictures/method_curve.h"
 
 namespace kappaflow {
 namespace {
@@ -28,15 +28,17 @@ constexpr double kSlipShare = 0.25;    // of Eq. 10's slip
 const Claim kFollowsRotation{
     "Fujisawa et al. 2011", "Curvature invariance (Eq. 10) follows a rotation better than total velocity.",
     "The rows of total velocity contradict a rotation; Eq. 10 is a compromise between the two."};
-const Claim kRigidIsExact{"kappaflow", "The regional velocity reproduces every rigid motion.",
-                          "Its rows hold exactly for every affine motion of the particles."};
-const Claim kStrainIsClose{"kappaflow", "Under strain the regional velocity is off by at most 0.14.",
-                           "Along the surface it is exact; what is left is the normal velocity (Eq. 4), "
-                           "which all methods share: the kernels "
-                           "of the particles stay round while the material is strained."};
-const Claim kFlowIsFollowed{"kappaflow",
-                            "On a real flow the regional velocity slips at most a quarter as much as Eq. 10.",
-                            "Where the motion is affine over a window it is followed."};
+const Claim kRigidIsExact{
+    "kappaflow", "The regional velocity reproduces every rigid motion.",
+    "Relative RMS error. Its rows hold exactly for every affine motion of the particles."};
+const Claim kStrainIsClose{
+    "kappaflow", "Under strain the regional velocity is off by at most 0.14.",
+    "Relative RMS error. Along the surface it is exact; what is left is the normal velocity (Eq. 4), "
+    "which all methods share: the kernels "
+    "of the particles stay round while the material is strained."};
+const Claim kFlowIsFollowed{
+    "kappaflow", "On a real flow the regional velocity slips at most a quarter as much as Eq. 10.",
+    "Slip against the material. Where the motion is affine over a window it is followed."};
 
 struct AffineMotion {
   std::string name;
@@ -172,35 +174,24 @@ std::string csv(const Errors& body, const Errors& flow) {
 Statement judge_rotation(const Errors& body) {
   constexpr std::size_t kRotation = 1;
   const double total = body.of("total", kRotation), curvature = body.of("curvature", kRotation);
-  return judged(kFollowsRotation,
-                fmt::format("relative error: total {:.2f}, Eq. 10 {:.2f}, its curvature rows alone {:.2f}",
-                            total, curvature, body.of("curvature-only", kRotation)),
-                {{"rotation", curvature < total}});
+  return judged(kFollowsRotation, {at_most("relative error of Eq. 10", curvature, total, "total's")});
 }
 
 /// The regional velocity in the motions from number `first` to before `last`.
 Statement judge_motions(const Claim& claim, const Errors& body, std::size_t first, std::size_t last,
                         double limit) {
   std::vector<Check> checks;
-  std::string measured;
-  for (std::size_t c = first; c < last; ++c) {
-    const double error = body.of("regional", c);
-    measured += fmt::format("{} {:.2g} (Eq. 10: {:.2g}); ", body.columns[c], error, body.of("curvature", c));
-    checks.push_back({body.columns[c], error <= limit});
-  }
-  return judged(claim, measured, checks);
+  for (std::size_t c = first; c < last; ++c)
+    checks.push_back(at_most(body.columns[c], body.of("regional", c), limit));
+  return judged(claim, checks);
 }
 
 Statement judge_flow(const Errors& flow) {
   std::vector<Check> checks;
-  std::string measured;
-  for (std::size_t c = 0; c < flow.columns.size(); ++c) {
-    const double curvature = flow.of("curvature", c), regional = flow.of("regional", c);
-    measured += fmt::format("{}: total {:.2f}, Eq. 10 {:.2f}, regional {:.3f}; ", flow.columns[c],
-                            flow.of("total", c), curvature, regional);
-    checks.push_back({flow.columns[c], regional <= kSlipShare * curvature});
-  }
-  return judged(kFlowIsFollowed, measured, checks);
+  for (std::size_t c = 0; c < flow.columns.size(); ++c)
+    checks.push_back(at_most(flow.columns[c], flow.of("regional", c), kSlipShare * flow.of("curvature", c),
+                             "a quarter of Eq. 10's"));
+  return judged(kFlowIsFollowed, checks);
 }
 
 void judge(const Errors& body, const Errors& flow, Report& report) {
@@ -230,19 +221,18 @@ Report experiment_motions(const ExperimentContext& context) {
   add_smaller(report, "frames of the flow", fmt::format("{}", options.frames.size()),
               fmt::format("{}", motion_options(context, false).frames.size()));
   judge(body, flow, report);
-  std::vector<Plot> plots{{"Frames of a real flow", "frame", "slip [1]", {}}};
+  std::vector<Plot> plots{{"Frames of a real flow", "frame", "slip", {}}};
   for (std::size_t m = 0; m < velocity_methods().size(); ++m) {
-    Curve curve{std::string(velocity_methods()[m].name), {}};
+    Curve curve = method_curve(velocity_methods()[m].name);
     for (std::size_t c = 0; c < flow.columns.size(); ++c)
       curve.points.emplace_back(static_cast<double>(c + 1), flow.of_method[m][c]);
     plots.front().curves.push_back(std::move(curve));
   }
-  draw_plots(context.folder, "motions", plots);
-  report.figures.push_back({"motions.png", "Slip of every method on the frames, in their order."});
+  add_plots(report, context, "motions", plots, "Slip of every method on the frames, in their order.");
   report.tables = {
       error_table(body, "Known motions: area-weighted RMS error over the RMS velocity."),
       error_table(flow, "Real flow: slip against the moving-least-squares velocity of the particles.")};
-  report.files = {"motions.csv", "motions.gp"};
+  report.files = {"motions.csv"};
   return report;
 }
 

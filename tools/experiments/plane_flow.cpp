@@ -126,7 +126,7 @@ Plot profile_plot(const std::string& title, const PlaneFlow& flow,
                   const std::vector<PlaneFlowResult>& results, double tau,
                   std::vector<Vec2> PlaneFlowResult::*points) {
   Plot plot{title, "u", "y / gap", {}};
-  Curve reference{"exact", {}};
+  Curve reference{"exact", {}, Look::reference};
   for (const Vec2& p : sampled([&](double eta) { return flow.velocity(eta, tau); }, 0, 1))
     reference.points.emplace_back(p.y(), p.x());
   plot.curves.push_back(std::move(reference));
@@ -138,7 +138,7 @@ Plot profile_plot(const std::string& title, const PlaneFlow& flow,
       sum[layer] += Vec2(p.y(), p.x());
       ++count[layer];
     }
-    Curve curve{fmt::format("{} layers", r.layers), {}};
+    Curve curve{fmt::format("{} layers", r.layers), {}, Look::points};
     for (std::size_t k = 0; k < sum.size(); ++k)
       if (count[k] > 0) curve.points.emplace_back(sum[k] / count[k]);
     plot.curves.push_back(std::move(curve));
@@ -147,24 +147,22 @@ Plot profile_plot(const std::string& title, const PlaneFlow& flow,
 }
 
 void judge(const PlaneFlow& flow, const std::vector<PlaneFlowResult>& results, Report& report) {
-  std::vector<Bounded> early, late;
+  std::vector<Check> early, late;
   std::vector<Vec2> early_errors, late_errors;
   for (const PlaneFlowResult& r : results) {
     const std::string at = fmt::format("{} layers", r.layers);
-    early.push_back({at, r.early_error, kEarlyLimit});
-    late.push_back({at, r.late_error, steady_limit(flow, r.layers)});
+    early.push_back(at_most(at, r.early_error, kEarlyLimit));
+    late.push_back(at_most(at, r.late_error, steady_limit(flow, r.layers)));
     early_errors.emplace_back(1.0 / r.layers, r.early_error);
     late_errors.emplace_back(1.0 / r.layers, r.late_error);
   }
-  report.statements = {within_limits(kSteadyProfile, late), within_limits(kProfileOnTheWay, early)};
+  report.statements = {judged(kSteadyProfile, late), judged(kProfileOnTheWay, early)};
   if (results.size() < 3) return;
   const double early_order = fit_power_law(early_errors).exponent,
                late_order = fit_power_law(late_errors).exponent;
-  std::vector<Check> checks{{"tau = 0.1", early_order >= kLeastOrder}};
-  if (flow.curvature > 0) checks.push_back({"tau = 1", late_order >= kLeastOrder});
-  report.statements.push_back(
-      judged(kProfileConverges,
-             fmt::format("order {:.2f} at tau = 0.1, {:.2f} at tau = 1", early_order, late_order), checks));
+  std::vector<Check> checks{at_least("tau = 0.1", early_order, kLeastOrder)};
+  if (flow.curvature > 0) checks.push_back(at_least("tau = 1", late_order, kLeastOrder));
+  report.statements.push_back(judged(kProfileConverges, checks));
 }
 
 Report validate(const ExperimentContext& context, const PlaneFlow& flow) {
@@ -180,9 +178,6 @@ Report validate(const ExperimentContext& context, const PlaneFlow& flow) {
                     r.late_error, steady_limit(flow, r.layers)});
     for (const Vec2& p : r.late) points.push_back({static_cast<double>(r.layers), p.x(), p.y()});
   }
-  draw_plots(context.folder, context.name,
-             std::vector{profile_plot("tau = 0.1", flow, results, kEarly, &PlaneFlowResult::early),
-                         profile_plot("tau = 1", flow, results, kLate, &PlaneFlowResult::late)});
   write_file(context.folder / "profiles.csv", csv_text("layers,eta,u", points));
   write_file(context.folder / "summary.csv",
              csv_text("layers,particles,early_error,late_error,late_limit", rows));
@@ -198,8 +193,11 @@ Report validate(const ExperimentContext& context, const PlaneFlow& flow) {
   add_smaller(report, "layers across the gap", fmt::format("{}", fmt::join(chosen, ", ")),
               fmt::format("{}", fmt::join(whole, ", ")));
   judge(flow, results, report);
-  report.figures = {{context.name + ".png", "Means over the layers of particles, and the series solution."}};
-  report.files = {"summary.csv", "profiles.csv", context.name + ".gp"};
+  add_plots(report, context, context.name,
+            std::vector{profile_plot("tau = 0.1", flow, results, kEarly, &PlaneFlowResult::early),
+                        profile_plot("tau = 1", flow, results, kLate, &PlaneFlowResult::late)},
+            "Means over the layers of particles, and the series solution.");
+  report.files = {"summary.csv", "profiles.csv"};
   return report;
 }
 

@@ -3,11 +3,9 @@
 
 #include <functional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "tools/experiments/rigid_experiment.h"
-#include "tools/pictures/plot.h"
 
 namespace kappaflow {
 
@@ -24,16 +22,15 @@ Chapter run_chapter(const ExperimentContext& context, const std::string& introdu
 /// The paper's error of a case at the end: mean distance to the start after whole turns [body size].
 double end_error(const Chapter& chapter, const RigidCase& c);
 
+/// What the regional velocity promises on every rigid body, without fairing.
+Statement regional_follows(const Chapter& chapter);
+
 /// A row a case: the two error measures, and the triangles at the end.
 Table case_table(const Chapter& chapter);
 
 /// Draws the kept meshes of the cases as `name`.png.
 void add_mesh_figure(Chapter& chapter, const ExperimentContext& context, const std::string& name,
                      const std::vector<const RigidCase*>& cases, const std::string& caption);
-
-/// Draws the plots as `name`.png.
-void add_plots(Chapter& chapter, const ExperimentContext& context, const std::string& name,
-               const std::vector<Plot>& plots, const std::string& caption);
 
 /// value(sample) over time from sample `first` on, a curve a case that is named by its method.
 Plot plot_over_time(const std::string& title, const std::string& x_label, const std::string& y_label,
@@ -42,10 +39,5 @@ Plot plot_over_time(const std::string& title, const std::string& x_label, const 
 
 /// mean_error turn by turn; at the start it is 0, which has no logarithm.
 Plot error_over_turns(const std::string& title, const std::vector<const RigidCase*>& cases);
-
-/// Numbers with their names.
-using Numbers = std::vector<std::pair<std::string, double>>;
-/// "total 0.5, curvature 0.1".
-std::string text_of(const Numbers& numbers);
 
 }  // namespace kappaflow

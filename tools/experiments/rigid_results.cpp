@@ -78,17 +78,23 @@ std::vector<std::string> write_rigid_results(const RigidExperiment& experiment,
 
 void draw_rigid_meshes(const RigidExperiment& experiment, const std::vector<const RigidCase*>& cases,
                        const std::string& name, const ExperimentContext& context) {
+  constexpr std::size_t kMostColumns = 3;  // more make titles that cannot be read on a page
+  const bool turns = experiment.motion.angular_velocity.norm() > 0;
   std::vector<Panel> panels;
-  for (std::size_t k = 0; k < experiment.picture_cycles.size(); ++k)
+  for (std::size_t k = 0; k < experiment.picture_cycles.size(); ++k) {
+    const int cycle = experiment.picture_cycles[k];
+    const std::string when = cycle == 0 ? "start"
+                             : turns    ? fmt::format("{} turn{}", cycle, cycle == 1 ? "" : "s")
+                                        : std::string("end");
     for (const RigidCase* c : cases) {
-      const int cycle = experiment.picture_cycles[k];
-      const bool turns = experiment.motion.angular_velocity.norm() > 0;
-      const std::string when = turns ? fmt::format("after {} turn{}", cycle, cycle == 1 ? "" : "s")
-                                     : std::string(cycle == 0 ? "start" : "end");
-      panels.push_back(
-          {fmt::format("{}, {}", c->method, when), mesh_data(experiment, *c, c->kept[k], cycle)});
+      const auto data = mesh_data(experiment, *c, c->kept[k], cycle);
+      panels.push_back({cycle == 0 ? when : fmt::format("{}, {}", c->method, when), data});
+      if (cycle == 0 && cases.size() > kMostColumns) break;  // the same of all methods
     }
-  PictureStyle style{.columns = static_cast<int>(cases.size()), .panel_width = 480, .panel_height = 440};
+  }
+  PictureStyle style{.columns = static_cast<int>(std::min(cases.size(), kMostColumns)),
+                     .panel_width = 480,
+                     .panel_height = 440};
   style.edges = true;
   style.view.from = Vec3(0.3, 0.35, 1);
   draw_picture(context.folder / (name + ".png"), panels, {}, std::nullopt, style);

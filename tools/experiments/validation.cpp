@@ -64,17 +64,6 @@ std::vector<Vec2> sampled(const std::function<double(double)>& reference, double
   return points;
 }
 
-Statement within_limits(const Claim& claim, const std::vector<Bounded>& numbers) {
-  std::vector<Check> checks;
-  std::string measured;
-  for (const Bounded& number : numbers) {
-    checks.push_back({number.what, number.value <= number.limit});
-    measured += fmt::format("{}{}{}{:.3g}, limit {:.3g}", measured.empty() ? "" : "; ", number.what,
-                            number.what.empty() ? "" : ": ", number.value, number.limit);
-  }
-  return judged(claim, measured, checks);
-}
-
 std::string csv_text(const std::string& header, const std::vector<std::vector<double>>& rows) {
   std::string text = header + "\n";
   for (const std::vector<double>& row : rows)

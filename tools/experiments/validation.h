@@ -1,5 +1,5 @@
-// What the validations of the solver share: the liquid of a scene at any resolution, power laws through
-// measurements, and statements that hold while an error stays below its limit.
+// What the validations of the solver share: the liquid of a scene at any resolution, and power laws
+// through measurements.
 //
 // A validation is an experiment whose name begins with "validate-". Its scene is one that `kappaflow run`
 // takes; its limits follow from the accuracy that the method promises.
@@ -48,14 +48,6 @@ double rms_difference(std::span<const Vec2> points, const std::function<double(d
 /// reference at `count` even places from first to last, as a curve of a plot.
 std::vector<Vec2> sampled(const std::function<double(double)>& reference, double first, double last,
                           int count = 101);
-
-/// A measured number that must not exceed its limit; NaN does.
-struct Bounded {
-  std::string what;
-  double value = 0, limit = 0;
-};
-/// A statement with a check for each number; the table of measurements is the report's to show.
-Statement within_limits(const Claim& claim, const std::vector<Bounded>& numbers);
 
 /// A header line, and a line a row with six digits. Every row has as many numbers as the header has names.
 std::string csv_text(const std::string& header, const std::vector<std::vector<double>>& rows);

@@ -19,12 +19,25 @@ class QuickExperiment : public Scratch {
     EXPECT_EQ(result.out, "");
     rows_ = read_table(folder / name / table);
     const std::string report = bytes_of(folder / "report.html");
-    // Every picture that the report shows is there.
-    for (std::size_t at = 0; (at = report.find("<img src=\"", at)) != std::string::npos; ++at) {
-      const std::string file = report.substr(at + 10, report.find('"', at + 10) - at - 10);
-      EXPECT_EQ(bytes_of(folder / file).substr(0, 4), "\x89PNG") << file;
+    // Every picture that the report shows is there, and all else that it leads to.
+    for (std::size_t at = 0; (at = report.find(" src=\"", at)) != std::string::npos; ++at) {
+      const std::string file = report.substr(at + 6, report.find('"', at + 6) - at - 6);
+      const bool plot = file.ends_with(".svg");
+      EXPECT_EQ(bytes_of(folder / file).substr(0, 4), plot ? "<?xm" : "\x89PNG") << file;
     }
     EXPECT_NE(report.find("<img"), std::string::npos);
+    for (std::size_t at = 0; (at = report.find("href=\"", at)) != std::string::npos; ++at) {
+      const std::string to = report.substr(at + 6, report.find('"', at + 6) - at - 6);
+      if (to.starts_with("#"))
+        EXPECT_NE(report.find(" id=\"" + to.substr(1) + "\""), std::string::npos) << to;
+      else
+        EXPECT_TRUE(std::filesystem::exists(folder / to)) << to;
+    }
+    for (const std::string& text : {report, bytes_of(folder / "report.md")}) {
+      EXPECT_NE(text.find("Quick run."), std::string::npos);
+      EXPECT_EQ(text.find(folder.parent_path().string()), std::string::npos) << "a path of this machine";
+      EXPECT_EQ(text.find(KAPPAFLOW_PROGRAM), std::string::npos);
+    }
   }
 
   /// The value in the only row that has all of these.
@@ -112,10 +125,15 @@ TEST_F(QuickExperiment, Fig8) {
               0.067, 0.007);
   EXPECT_LT(value({{"method", "total"}, {"integrator", "rk4"}}, "end_error"), 1e-4);
   const std::string report = bytes_of(folder / "report.md");
-  EXPECT_NE(report.find("*Quick: turns 10 instead of 30, mesh edges 0.16 m instead of 0.12 m.* total euler"),
+  EXPECT_NE(report.find("*Quick: turns 10 instead of 30, mesh edges 0.16 m instead of 0.12 m.*"),
             std::string::npos)
       << report;
-  EXPECT_NE(report.find("Z: `" KAPPAFLOW_PROGRAM " experiment fig8 --quick "), std::string::npos) << report;
+  EXPECT_NE(report.find("Z: `kappaflow experiment fig8 --quick --out Fig8 --quiet`"), std::string::npos)
+      << report;
+  EXPECT_NE(
+      report.find("| error of total velocity at the end | about 0.06, linear in the turns | 0.061 (euler), "),
+      std::string::npos)
+      << report;
 }
 
 TEST_F(QuickExperiment, Body) {
@@ -249,10 +267,8 @@ TEST_F(QuickExperiment, ValidateGravityCurrent) {
   ASSERT_EQ(rows_.size(), 1u);
   // Two layers of particles at the centre in the end: its exponent misses a limit that is the finer ones'.
   const std::string report = bytes_of(folder / "report.md");
-  EXPECT_NE(report.find("**2 statements: 1 holds, 1 is too coarse to tell.**"), std::string::npos) << report;
-  EXPECT_NE(report.find("*Quick: spacing 0.1 m instead of 0.06 m, 0.05 m.* spacing 0.1 m: "),
-            std::string::npos)
-      << report;
+  EXPECT_NE(report.find("**1 of 2 statements hold, 1 is too coarse to tell.**"), std::string::npos) << report;
+  EXPECT_NE(report.find("*Quick: spacing 0.1 m instead of 0.06 m, 0.05 m.*"), std::string::npos) << report;
   EXPECT_NEAR(std::stod(rows_[0].at("exponent")), 0.125, 0.02);
   EXPECT_LT(std::abs(std::stod(rows_[0].at("coefficient_error"))), 0.05);
 }
