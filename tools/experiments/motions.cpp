@@ -181,6 +181,7 @@ Statement judge_rotation(const Errors& body) {
 Statement judge_motions(const Claim& claim, const Errors& body, std::size_t first, std::size_t last,
                         double limit) {
   std::vector<Check> checks;
+  checks.reserve(last - first);
   for (std::size_t c = first; c < last; ++c)
     checks.push_back(at_most(body.columns[c], body.of("regional", c), limit));
   return judged(claim, checks);
@@ -188,6 +189,7 @@ Statement judge_motions(const Claim& claim, const Errors& body, std::size_t firs
 
 Statement judge_flow(const Errors& flow) {
   std::vector<Check> checks;
+  checks.reserve(flow.columns.size());
   for (std::size_t c = 0; c < flow.columns.size(); ++c)
     checks.push_back(at_most(flow.columns[c], flow.of("regional", c), kSlipShare * flow.of("curvature", c),
                              "a quarter of Eq. 10's"));

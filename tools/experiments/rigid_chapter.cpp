@@ -97,6 +97,7 @@ Plot error_over_turns(const std::string& title, const std::vector<const RigidCas
 
 Statement regional_follows(const Chapter& chapter) {
   std::vector<Check> checks;
+  checks.reserve(chapter.experiment.bodies.size());
   for (const RigidBody& body : chapter.experiment.bodies)
     checks.push_back(
         at_most(body.name,

@@ -114,6 +114,7 @@ void judge_thirty_turns(Chapter& chapter) {
 /// The error after all turns with each integrator: "euler 0.18, rk4 2e-12".
 std::string end_errors(const Chapter& chapter, const char* method) {
   std::vector<std::string> errors;
+  errors.reserve(chapter.experiment.integrators.size());
   for (const TimeIntegrator integrator : chapter.experiment.integrators)
     errors.push_back(fmt::format("{:.2g} ({})",
                                  end_error(chapter, find_case(chapter.cases, "one", method, integrator, 0)),

@@ -66,7 +66,7 @@ std::vector<TotalAndCurvature> total_and_curvature(const Chapter& chapter) {
 }
 
 /// "0.2 to 0.4": the least and the greatest.
-std::string range_text(std::vector<double> numbers) {
+std::string range_text(const std::vector<double>& numbers) {
   if (numbers.empty()) return "-";
   const auto [low, high] = std::ranges::minmax(numbers);
   return low == high ? fmt::format("{:.2g}", low) : fmt::format("{:.2g} to {:.2g}", low, high);

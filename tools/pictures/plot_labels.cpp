@@ -38,6 +38,7 @@ std::vector<double> spread_out(const std::vector<double>& wanted, double gap, do
   if (n > 1) gap = std::min(gap, (high - low) / static_cast<double>(n - 1));
   // Without the gaps below each the places must ascend only.
   std::vector<double> places;
+  places.reserve(n);
   for (std::size_t k = 0; k < n; ++k) places.push_back(wanted[order[k]] - gap * static_cast<double>(k));
   places = ascending(places);
   std::vector<double> result(n);

@@ -113,6 +113,7 @@ std::vector<PlacedPlot> place_all(std::span<const Plot> plots) {
   const std::size_t columns = plots.size() > 1 ? 2 : 1, rows = (plots.size() + columns - 1) / columns;
   const double width = page_width(plots) / static_cast<double>(columns);
   std::vector<PlacedPlot> placed;
+  placed.reserve(plots.size());
   for (std::size_t p = 0; p < plots.size(); ++p) {
     placed.push_back(place(plots[p], static_cast<double>(p % columns) * width,
                            static_cast<double>(rows - 1 - p / columns) * kHeight, width));
@@ -142,6 +143,7 @@ std::vector<Vec2> marked(const PlacedPlot& placed, std::size_t curve) {
   std::ranges::copy_if(c.points, std::back_inserter(drawn), [&](const Vec2& p) { return placed.draws(p); });
   if (c.look == Look::points || drawn.size() <= kFewPoints) return drawn;
   const double first = (static_cast<double>(curve) + 0.5) / static_cast<double>(placed.plot->curves.size());
+  marks.reserve(kMarks);
   for (int k = 0; k < kMarks; ++k)
     marks.push_back(
         drawn[static_cast<std::size_t>((k + first) / kMarks * static_cast<double>(drawn.size()))]);
@@ -224,6 +226,7 @@ std::string name_lines(const PlacedPlot& placed) {
   const auto ends = heights_of_ends(placed);
   const double gap = kLine / placed.height;
   std::vector<double> heights;
+  heights.reserve(curves.size());
   for (std::size_t c = 0; c < curves.size(); ++c) heights.push_back(1 - gap * (static_cast<double>(c) + 0.5));
   if (ends) heights = spread_out(*ends, gap, 0, 1);
   std::string lines = "unset arrow\nunset label\n";
