@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "core/errors.h"
@@ -12,16 +11,8 @@
 
 namespace kappaflow {
 
-int last_frame_of(const Scene& scene) {
-  return static_cast<int>(std::ceil(scene.duration * scene.output.frames_per_second - 1e-9));
-}
-
 SceneFrames::SceneFrames(PreparedScene prepared)
     : scene_(prepared.scene), simulation_(std::move(prepared)), wall_distance_(simulation_.walls()) {}
-
-double SceneFrames::time_of(int frame) const {
-  return std::min(frame / scene_.output.frames_per_second, scene_.duration);
-}
 
 bool SceneFrames::advance(int frame, const Watch& watch) {
   return simulation_.advance(time_of(frame), [&](const FluidStep& step) {

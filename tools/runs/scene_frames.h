@@ -10,17 +10,13 @@
 
 namespace kappaflow {
 
-/// The number of a scene's last frame, which falls on its duration even where that is no multiple of the
-/// frame time.
-int last_frame_of(const Scene& scene);
-
 class SceneFrames final : public FrameSource {
  public:
   /// As Simulation.
   explicit SceneFrames(PreparedScene prepared);
 
   int last_frame() const override { return last_frame_of(scene_); }
-  double time_of(int frame) const override;
+  double time_of(int frame) const override { return frame_time(scene_, frame); }
   bool advance(int frame, const Watch& watch) override;
   bool saves_between_frames() const override { return true; }
   double time() const override { return simulation_.fluid().time(); }

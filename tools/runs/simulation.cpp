@@ -47,6 +47,14 @@ SurfaceOptions surface_options(const Scene& scene) {
 
 }  // namespace
 
+int last_frame_of(const Scene& scene) {
+  return static_cast<int>(std::ceil(scene.duration * scene.output.frames_per_second - 1e-9));
+}
+
+double frame_time(const Scene& scene, int frame) {
+  return std::min(frame / scene.output.frames_per_second, scene.duration);
+}
+
 Simulation::Simulation(PreparedScene prepared)
     : walls_(std::move(prepared.walls)),
       fluid_(make_fluid(prepared.scene, std::move(prepared.start), walls_)),

@@ -10,6 +10,12 @@
 
 namespace kappaflow {
 
+/// The number of a scene's last frame, which falls on its duration even where that is no multiple of the
+/// frame time.
+int last_frame_of(const Scene& scene);
+/// Of a frame of the scene [s].
+double frame_time(const Scene& scene, int frame);
+
 /// What happened to liquid and surfaces since the last frame.
 struct SimulationReport {
   double density_error_mean = 0, density_error_max = 0;  ///< the largest of FluidStep's
