@@ -5,7 +5,7 @@ cmake_minimum_required(VERSION 3.25)
 
 # Each room, and the rooms whose headers it may include beside its own.
 set(rooms core solver surface/field surface/mesh surface/motion surface/topology surface/remesh surface/tracker
-    surface/measure surface/benchmark scenes tools/io tools/runs tools/pictures tools/experiments tools/commands)
+    surface/measure surface/benchmark scenes tools/io tools/runs tools/pictures tools/experiments tools/commands python)
 set(allowed_core "")
 set(allowed_solver core)
 set(allowed_surface/field core)
@@ -23,6 +23,7 @@ set(allowed_tools/runs scenes ${allowed_scenes} tools/io)
 set(allowed_tools/pictures ${allowed_tools/runs} tools/runs)
 set(allowed_tools/experiments ${allowed_tools/pictures} tools/pictures)
 set(allowed_tools/commands ${allowed_tools/experiments} tools/experiments)
+set(allowed_python scenes ${allowed_scenes} tools/runs)
 
 # Headers of VTK that read, write or render; the folders that may include them follow.
 set(vtk_files "vtk[A-Za-z]*(Reader|Writer)")
@@ -37,7 +38,7 @@ function(fail text)
 endfunction()
 
 # A source lies in a room, and each of its includes in the same or in one that the room may use.
-foreach(folder core solver surface scenes tools)
+foreach(folder core solver surface scenes tools python)
   file(GLOB_RECURSE sources ${SOURCE_DIR}/${folder}/*.h ${SOURCE_DIR}/${folder}/*.cpp)
   foreach(source IN LISTS sources)
     math(EXPR checked "${checked} + 1")

@@ -1,0 +1,70 @@
+// Particles and options, as Python gives them.
+#include <fmt/format.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/errors.h"
+#include "python/arrays.h"
+#include "python/bindings.h"
+#include "python/velocity.h"
+#include "surface/tracker/tracked_surfaces.h"
+
+namespace kappaflow::python {
+namespace {
+
+Particles particles(double time, const IdsIn& id, const VectorsIn& position, const VectorsIn& velocity) {
+  return {time, copied<std::int64_t>(id), copied<Vec3>(position), copied<Vec3>(velocity)};
+}
+
+WeightRule weight_rule(const std::string& name) {
+  if (name == "uniform") return WeightRule::uniform;
+  if (name == "normalised") return WeightRule::normalised;
+  throw InvalidInput(fmt::format("weights: '{}'; allowed are uniform, normalised", name));
+}
+
+/// sigma: [m]; empty: two spacings of the particles, which are measured then.
+SurfaceOptions field_choices(std::optional<double> sigma, std::optional<double> threshold,
+                             const std::string& weights) {
+  SurfaceOptions options;
+  if (sigma) {
+    options.sigma = *sigma;
+    options.spacing = 1;
+  }
+  options.threshold = threshold;
+  options.weights = weight_rule(weights);
+  return options;
+}
+
+SurfaceOptions surface_choices(SurfaceOptions options, const std::vector<nb::object>& methods, bool is_cloud,
+                               double edge_length, bool remesh, bool topology, double motion_per_step,
+                               const VelocityOptions& velocity) {
+  for (const nb::object& method : methods) options.velocities.push_back(velocity_function(method));
+  options.is_cloud = is_cloud;
+  options.edge_length = edge_length;
+  options.remesh = remesh;
+  options.topology = topology;
+  options.motion_per_step = motion_per_step;
+  options.tracker.velocity = velocity;
+  return options;
+}
+
+}  // namespace
+
+void bind_inputs(nb::module_& m) {
+  nb::class_<Particles>(m, "Particles")
+      .def(nb::new_(&particles), nb::arg("time"), nb::arg("ids"), nb::arg("positions"),
+           nb::arg("velocities"));
+  nb::class_<SurfaceOptions>(m, "SurfaceOptions");
+  m.def("field_choices", field_choices, nb::arg("sigma").none(), nb::arg("threshold").none(),
+        nb::arg("weights"));
+  m.def("surface_choices", surface_choices, nb::arg("options"), nb::arg("methods"), nb::arg("is_cloud"),
+        nb::arg("edge_length"), nb::arg("remesh"), nb::arg("topology"), nb::arg("motion_per_step"),
+        nb::arg("velocity"));
+}
+
+}  // namespace kappaflow::python
