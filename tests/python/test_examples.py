@@ -1,0 +1,44 @@
+"""The notebooks run from end to end: in Jupyter's kernel where nbclient is installed, else cell by cell in this Python."""
+
+import importlib.util
+import json
+import shutil
+
+import pytest
+from conftest import SOURCE
+
+NOTEBOOKS = sorted((SOURCE / "examples/python").glob("*.ipynb"))
+
+
+@pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_runs(notebook, tmp_path, monkeypatch):
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("agg")
+    monkeypatch.setenv("MPLBACKEND", "agg")
+    shutil.copytree(SOURCE / "scenes", tmp_path / "scenes")
+    if all(importlib.util.find_spec(module) for module in ("nbclient", "nbformat", "ipykernel")):
+        run_in_jupyter(notebook, tmp_path)
+    else:
+        monkeypatch.chdir(tmp_path)
+        run_here(notebook)
+
+
+def run_in_jupyter(notebook, folder):
+    import nbclient
+    import nbformat
+
+    nbclient.NotebookClient(nbformat.read(notebook, 4), timeout=600, resources={"metadata": {"path": str(folder)}}).execute()
+
+
+def run_here(notebook):
+    cells = json.loads(notebook.read_text(encoding="utf-8"))["cells"]
+    names = {}
+    for cell in cells:
+        if cell["cell_type"] == "code":
+            exec(compile("".join(cell["source"]), notebook.name, "exec"), names)
+
+
+def test_notebooks_are_there_and_hold_no_output():
+    assert [path.stem for path in NOTEBOOKS] == ["compare_methods", "track_particles"]
+    for path in NOTEBOOKS:
+        assert all(not cell.get("outputs") for cell in json.loads(path.read_text(encoding="utf-8"))["cells"]), path.name
