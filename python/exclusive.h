@@ -30,8 +30,10 @@ class Exclusive {
   /// The same of an object that has not failed. Throws InvalidInput where it has.
   template <class Work>
   auto use(const Work& work) {
-    if (failed_) throw InvalidInput(fmt::format("{}: it failed before, and can go no further", name_));
-    return look(work);
+    return look([&](T& object) {
+      if (failed_) throw InvalidInput(fmt::format("{}: it failed before, and can go no further", name_));
+      return work(object);
+    });
   }
 
   /// work(T&), which moves it on: one that fails on the way can go no further.

@@ -33,7 +33,7 @@ NB_MODULE(_core, m) {
   kappaflow::python::bind_inputs(m);
   kappaflow::python::bind_velocity(m);
   kappaflow::python::bind_field(m);
-
+  kappaflow::python::bind_texture(m);
   kappaflow::python::bind_tracker(m);
   kappaflow::python::bind_simulation(m);
 }

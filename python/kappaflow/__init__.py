@@ -12,6 +12,7 @@ from kappaflow._field import Curvatures, Field, Jets, Projected, SurfaceField, V
 from kappaflow._meshes import Mesh, Particles, Points
 from kappaflow._run import Run, read_run
 from kappaflow._simulation import Simulation, simulate
+from kappaflow._texture import checker_colours, texture_coordinates
 from kappaflow._tracker import Tracker
 from kappaflow.errors import Error, InvalidInput, IoError, SolverFailure, TopologyError
 
@@ -26,5 +27,6 @@ def set_threads(count: int | None) -> None:
 __all__ = [
     "Curvatures", "Error", "Field", "FluidStep", "InvalidInput", "IoError", "Jets", "Mesh", "Particles", "Points", "Projected",
     "Run", "Simulation", "SolverFailure", "SurfaceField", "SurfacePoints", "TopologyError", "Tracker", "Velocities",
-    "VelocityFunction", "VelocityMethod", "VelocityOptions", "errors", "read_run", "set_threads", "simulate", "velocity_methods",
+    "VelocityFunction", "VelocityMethod", "VelocityOptions", "checker_colours", "errors", "read_run", "set_threads", "simulate",
+    "texture_coordinates", "velocity_methods",
 ]

@@ -163,8 +163,8 @@ class SurfaceField:
         Raises InvalidInput for an unknown method, and what a function raises."""
         if not isinstance(points, _core.SurfacePoints):
             position = _inputs.vectors("points", points)
-            corners = _inputs.triangles(() if triangles is None else triangles, len(position)) \
-                if triangles is not None else np.empty((0, 3), np.int32)
+            alone = np.empty((0, 3), np.int32)
+            corners = alone if triangles is None else _inputs.triangles(triangles, len(position))
             points = _core.surface_points(position, corners)
         options = _core.VelocityOptions(damping, speed_limit)
         return Velocities(*self._handle.velocities(points, as_core(method), options))

@@ -22,7 +22,10 @@ def _array(name: str, values: ArrayLike, dtype: type[np.generic], tail: tuple[in
         raise InvalidInput(f"{name}: no array of {np.dtype(dtype)}; one of shape {needed} is needed") from None
     if array.ndim != 1 + len(tail) or array.shape[1:] != tail or count not in (None, array.shape[0]):
         raise InvalidInput(f"{name}: an array of shape {array.shape}; {needed} is needed")
-    return np.ascontiguousarray(array, dtype)
+    result = np.ascontiguousarray(array, dtype)
+    if array.dtype != dtype and np.issubdtype(dtype, np.integer) and np.any(result != array):
+        raise InvalidInput(f"{name}: a number does not fit into {np.dtype(dtype)}")
+    return result
 
 
 def vectors(name: str, values: ArrayLike, count: int | None = None) -> NDArray[np.float64]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -101,11 +100,11 @@ def simulate(scene: str | os.PathLike[str], *, methods: Sequence[str] | None = N
              duration: float | None = None) -> Simulation:
     """Makes a scene ready, at t = 0.
 
-    scene: a file (docs/scene-files.md), or the text of one; meshes that a text names lie beside the working folder's files.
+    scene: a file (docs/scene-files.md), or the text of one; meshes that a text names lie in the working folder.
     methods: velocity methods in place of the scene's. duration: in its place [s].
 
     Raises InvalidInput for a mistake in the scene, with file, line, column and what is allowed."""
     text = scene if isinstance(scene, str) and "\n" in scene else None
-    file = str(Path.cwd() / "scene.toml") if text else os.fspath(scene)
+    file = "scene.toml" if text else os.fspath(scene)
     names = None if methods is None else [methods] if isinstance(methods, str) else list(methods)
     return Simulation(_core.SimulationHandle(file, text, names, duration))

@@ -17,16 +17,15 @@ if(NOT EXISTS ${python})
     return()
   endif()
 endif()
-set(packages numpy "scikit-build-core>=0.11" "nanobind>=3.1,<4" ninja pytest mypy pandas matplotlib nbformat nbclient ipykernel)
+set(packages numpy "scikit-build-core>=0.11" "nanobind>=3.1,<4" pytest mypy pandas matplotlib nbformat nbclient ipykernel)
 execute_process(COMMAND ${python} -m pip install --quiet --disable-pip-version-check --retries 1 --timeout 20 ${packages}
                 RESULT_VARIABLE result ERROR_VARIABLE text)
 if(NOT result EQUAL 0)
-  string(REGEX REPLACE "\n.*" "" text "${text}")
+  string(REGEX MATCH "[^\n]*\n?$" text "${text}")
   message("python: skipped, pip does not reach its packages: ${text}")
   return()
 endif()
 
-set(ENV{PATH} "${FOLDER}/environment/bin:$ENV{PATH}")
 execute_process(COMMAND ${python} -m pip install --quiet --no-build-isolation --no-deps --force-reinstall ${SOURCE_DIR}
                 COMMAND_ERROR_IS_FATAL ANY)
 set(ENV{KAPPAFLOW_PROGRAM} ${PROGRAM})

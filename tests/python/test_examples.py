@@ -42,3 +42,11 @@ def test_notebooks_are_there_and_hold_no_output():
     assert [path.stem for path in NOTEBOOKS] == ["compare_methods", "track_particles"]
     for path in NOTEBOOKS:
         assert all(not cell.get("outputs") for cell in json.loads(path.read_text(encoding="utf-8"))["cells"]), path.name
+
+
+def test_the_code_of_the_page_is_python():
+    page = (SOURCE / "docs/python.md").read_text(encoding="utf-8")
+    blocks = [block.split("\n```")[0] for block in page.split("```python\n")[1:]]
+    assert len(blocks) == 4
+    for block in blocks:
+        compile(block, "docs/python.md", "exec")

@@ -1,6 +1,8 @@
 """Velocity methods that are functions of Python's."""
 
 import gc
+import subprocess
+import sys
 import weakref
 
 import numpy as np
@@ -114,3 +116,15 @@ def test_a_tracker_and_a_method_that_keeps_it_are_collected():
     del method
     gc.collect()
     assert gone() is None
+
+
+def test_nothing_is_leaked_when_python_ends():
+    program = """
+import numpy as np, kappaflow
+x = np.random.default_rng(1).uniform(size=(200, 3))
+tracker = kappaflow.Tracker(x, np.zeros_like(x), methods=lambda field, points, options: field.velocities(points, "total"))
+tracker.advance(x, np.zeros_like(x), time=1)
+mesh, field = tracker.mesh(), kappaflow.Field(x)
+"""
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert ended.stderr == ""  # nanobind would say what is left
