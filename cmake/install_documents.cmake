@@ -1,6 +1,6 @@
 # Installs README, docs and what belongs to them. Links to sources, which are not installed, become plain text.
 #   set(SOURCE_DIR ...) set(BINARY_DIR ...) set(DOCUMENT_DIR ...), as install.cmake does
-set(sources "(core|examples|scenes|solver|surface|tests|tools)")
+set(sources "(core|examples|python|scenes|solver|surface|tests|tools)")
 file(GLOB pages RELATIVE ${SOURCE_DIR} ${SOURCE_DIR}/README.md ${SOURCE_DIR}/CHANGELOG.md
      ${SOURCE_DIR}/CONTRIBUTING.md ${SOURCE_DIR}/docs/*.md)
 foreach(page IN LISTS pages)

@@ -63,10 +63,4 @@ inline VectorsOut vectors_of(std::vector<Vec3> values) {
 /// Arrays by the names that files have them under.
 using NamedArrays = nb::typed<nb::dict, nb::str, nb::ndarray<nb::numpy>>;
 
-/// One surface or all particles of a frame, on the way to Python.
-template <class Array>
-void put(nb::dict& arrays, const char* name, const Array& array) {
-  arrays[name] = array;
-}
-
 }  // namespace kappaflow::python

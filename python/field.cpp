@@ -26,7 +26,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 std::tuple<FieldHandle, double, double> make_field(const Particles& particles,
                                                    const SurfaceOptions& choices) {
   const nb::gil_scoped_release other_threads;
-  const ParticleFieldOptions options = field_options(choices, particles.position);
+  const ParticleFieldOptions options = field_options(choices, particles.position, particles.scale);
   return {FieldHandle(particle_field(particles, options)), options.sigma, options.threshold};
 }
 

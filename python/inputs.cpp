@@ -17,8 +17,10 @@
 namespace kappaflow::python {
 namespace {
 
-Particles particles(double time, const IdsIn& id, const VectorsIn& position, const VectorsIn& velocity) {
-  return {time, copied<std::int64_t>(id), copied<Vec3>(position), copied<Vec3>(velocity)};
+Particles particles(double time, const IdsIn& id, const VectorsIn& position, const VectorsIn& velocity,
+                    const NumbersIn& scale) {
+  return {time, copied<std::int64_t>(id), copied<Vec3>(position), copied<Vec3>(velocity),
+          copied<double>(scale)};
 }
 
 WeightRule weight_rule(const std::string& name) {
@@ -57,8 +59,8 @@ SurfaceOptions surface_choices(SurfaceOptions options, const std::vector<nb::obj
 
 void bind_inputs(nb::module_& m) {
   nb::class_<Particles>(m, "Particles")
-      .def(nb::new_(&particles), nb::arg("time"), nb::arg("ids"), nb::arg("positions"),
-           nb::arg("velocities"));
+      .def(nb::new_(&particles), nb::arg("time"), nb::arg("ids"), nb::arg("positions"), nb::arg("velocities"),
+           nb::arg("scales"));
   nb::class_<SurfaceOptions>(m, "SurfaceOptions");
   m.def("field_choices", field_choices, nb::arg("sigma").none(), nb::arg("threshold").none(),
         nb::arg("weights"));

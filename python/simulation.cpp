@@ -7,8 +7,6 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
-#include <filesystem>
-#include <memory>
 #include <optional>
 #include <string>
 #include <utility>

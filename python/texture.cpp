@@ -11,21 +11,17 @@
 #include <string>
 
 #include "core/errors.h"
-#include "core/named.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
 
 namespace kappaflow::python {
 namespace {
 
-constexpr Named<TextureProjection> kProjections[] = {{"planar", TextureProjection::planar},
-                                                     {"spherical", TextureProjection::spherical},
-                                                     {"box", TextureProjection::box}};
-
 ArrayOut<double, 2> coordinates(const VectorsIn& rest_position, const VectorsIn& first,
                                 const std::string& projection) {
-  const auto* const found = std::ranges::find(kProjections, projection, &Named<TextureProjection>::name);
-  if (found == std::end(kProjections))
+  const auto* const found =
+      std::ranges::find(kTextureProjections, projection, &Named<TextureProjection>::name);
+  if (found == std::end(kTextureProjections))
     throw InvalidInput(fmt::format("projection: '{}'; allowed are planar, spherical, box", projection));
   return array_of<double, 2>(
       texture_coordinates(entries<Vec3>(rest_position), bounding_box(entries<Vec3>(first)), found->value));

@@ -32,7 +32,7 @@ endfunction()
 # Appends to `dead` what the page names between backticks that looks like a path of the source and is none. Words in
 # capitals stand for names of any kind.
 function(check_paths page)
-  string(REGEX MATCHALL "`(core|solver|surface|scenes|tools|tests|docs|examples|cmake)/[^` \n]*" paths "${text}")
+  string(REGEX MATCHALL "`(core|solver|surface|scenes|tools|tests|docs|examples|cmake|python)/[^` \n]*" paths "${text}")
   foreach(path IN LISTS paths)
     string(SUBSTRING "${path}" 1 -1 path)
     string(REGEX REPLACE "/[A-Z]*$" "" path "${path}")

@@ -185,15 +185,17 @@ class Field(SurfaceField):
     """Eq. 12 of particles: f(x, t) = sum_i w_i (1 - |x - x_i(t)|^2/sigma^2)^3 - T over those within sigma.
 
     positions: (n, 3) [m]. velocities: (n, 3) [m/s], for the rates; at rest unless given. time: [s].
-    sigma: support radius [m]; 2 particle spacings, which are measured, unless given.
+    sigma: support radius [m]; 2 particle spacings, which are measured, unless given. scales: (n,) how large each particle is
+    beside those that sigma is meant for, > 0: sigma_i = scale_i sigma.
     threshold: T; half the median of the field at the particles unless given.
     weights: "uniform", w_i = 1, or "normalised", w_i = 1/sum_j (1 - r_ij^2)^3, which keeps thin sheets and lone drops.
 
     Raises InvalidInput for arrays of other shapes, numbers that are not finite, and where no spacing can be measured."""
 
     def __init__(self, positions: ArrayLike, velocities: ArrayLike | None = None, *, time: float = 0,
-                 sigma: float | None = None, threshold: float | None = None, weights: str = "uniform") -> None:
-        particles, _ = _inputs.particles(positions, velocities, None, time)
+                 sigma: float | None = None, threshold: float | None = None, weights: str = "uniform",
+                 scales: ArrayLike | None = None) -> None:
+        particles, _ = _inputs.particles(positions, velocities, time=time, scales=scales)
         handle, self._sigma, self._threshold = _core.make_field(particles, _core.field_choices(sigma, threshold, weights))
         super().__init__(handle)
 

@@ -47,18 +47,21 @@ def triangles(values: ArrayLike, vertices: int) -> NDArray[np.int32]:
     return array
 
 
-def particles(positions: ArrayLike, velocities: ArrayLike | None, ids: ArrayLike | None, time: float,
-              sources: ArrayLike | None = None) -> tuple[_core.Particles, NDArray[np.int32] | None]:
+def particles(positions: ArrayLike, velocities: ArrayLike | None = None, ids: ArrayLike | None = None, *, time: float,
+              sources: ArrayLike | None = None,
+              scales: ArrayLike | None = None) -> tuple[_core.Particles, NDArray[np.int32] | None]:
     """Particles by ascending id, and their sources in the same order. ids: None: the numbers of the rows."""
     position = vectors("positions", positions)
     count = len(position)
     velocity = np.zeros_like(position) if velocities is None else vectors("velocities", velocities, count)
     source = None if sources is None else integers("sources", sources, count)
+    scale = np.empty(0) if scales is None else numbers("scales", scales, count)
     if ids is None:
-        return _core.Particles(float(time), np.arange(count), position, velocity), source
+        return _core.Particles(float(time), np.arange(count), position, velocity, scale), source
     id_ = _array("ids", ids, np.int64, (), count)
     if np.any(id_[1:] < id_[:-1]):
         order = np.argsort(id_, kind="stable")
         id_, position, velocity = id_[order], position[order], velocity[order]
         source = None if source is None else source[order]
-    return _core.Particles(float(time), id_, position, velocity), source
+        scale = scale if scales is None else scale[order]
+    return _core.Particles(float(time), id_, position, velocity, scale), source

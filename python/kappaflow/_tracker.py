@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,8 +22,9 @@ class Tracker:
     Without velocities (and ids) the particles are a point cloud: the surface follows the change of its field, and may move by
     0.1 sigma from one instant to the next at most (docs/track.md). time: [s].
     sources: (n,) whole numbers, which block or tap a particle comes from; vertices take that of the nearest.
-    next: (positions, velocities, ids, time) of the second instant, where known: the rates of the first frame of a point cloud
-    come from it. The mesh does not depend on it.
+    scales: (n,) how large each particle is beside those that sigma is meant for, > 0.
+    next: the arguments of the advance() that follows, as a dict, where they are known: the rates of the first frame of a point
+    cloud come from it. The mesh does not depend on it.
 
     methods: a velocity method, or several for as many surfaces: names of velocity_methods() or functions (see
     VelocityFunction); `material`, or `regional` for a point cloud, unless given.
@@ -35,8 +37,8 @@ class Tracker:
     advance() the tracker can go no further. Different trackers may work in different threads; one is for one at a time."""
 
     def __init__(self, positions: ArrayLike, velocities: ArrayLike | None = None, ids: ArrayLike | None = None, *,
-                 time: float = 0, sources: ArrayLike | None = None,
-                 next: tuple[ArrayLike, ArrayLike | None, ArrayLike | None, float] | None = None,
+                 time: float = 0, sources: ArrayLike | None = None, scales: ArrayLike | None = None,
+                 next: Mapping[str, Any] | None = None,
                  methods: VelocityMethod | Sequence[VelocityMethod] | None = None, sigma: float | None = None,
                  threshold: float | None = None, weights: str = "uniform", edge_length: float = 0.5, remesh: bool = True,
                  topology: bool = True, motion_per_step: float = 0.2, damping: float = 0.1, speed_limit: float = 1) -> None:
@@ -46,18 +48,18 @@ class Tracker:
         options = _core.surface_choices(
             _core.field_choices(sigma, threshold, weights), self._methods, self._is_cloud, edge_length, remesh, topology,
             motion_per_step, _core.VelocityOptions(damping, speed_limit))
-        first, source = self._particles(positions, velocities, ids, time, sources)
-        second = None if next is None else self._particles(*next, None)[0]
+        first, source = self._particles(positions, velocities, ids, time=time, sources=sources, scales=scales)
+        second = None if next is None else self._particles(**next)[0]
         self._handle = _core.TrackerHandle(first, second, options)
         self._find_sources(source)
 
     def advance(self, positions: ArrayLike, velocities: ArrayLike | None = None, ids: ArrayLike | None = None, *, time: float,
-                sources: ArrayLike | None = None) -> None:
+                sources: ArrayLike | None = None, scales: ArrayLike | None = None) -> None:
         """Goes to the next instant, in as many steps as motion_per_step asks for. Arrays as at the start; time: [s], later.
 
         Raises InvalidInput for arrays that are not sound, a time that is not later, and a point cloud that moves too far;
         TopologyError; and what the velocity methods raise."""
-        particles, source = self._particles(positions, velocities, ids, time, sources)
+        particles, source = self._particles(positions, velocities, ids, time=time, sources=sources, scales=scales)
         self._handle.advance(particles, self._is_cloud)
         self._find_sources(source)
 
@@ -117,8 +119,8 @@ class Tracker:
         """How many surfaces there are."""
         return self._handle.surfaces
 
-    def _particles(self, positions: ArrayLike, velocities: ArrayLike | None, ids: ArrayLike | None, time: float,
-                   sources: ArrayLike | None) -> tuple[_core.Particles, NDArray[np.int32] | None]:
+    def _particles(self, positions: ArrayLike, velocities: ArrayLike | None = None, ids: ArrayLike | None = None,
+                   **others: Any) -> tuple[_core.Particles, NDArray[np.int32] | None]:
         if (velocities is None) != self._is_cloud:
             raise InvalidInput("velocities: they are given at some instants and not at others")
         if self._is_cloud:
@@ -127,7 +129,7 @@ class Tracker:
             count = len(_inputs.vectors("positions", positions))
             ids = np.arange(self._new_ids, self._new_ids + count)  # they pair no particle with itself
             self._new_ids += count
-        return _inputs.particles(positions, velocities, ids, time, sources)
+        return _inputs.particles(positions, velocities, ids, **others)
 
     def _find_sources(self, source: NDArray[np.int32] | None) -> None:
         if source is not None:

@@ -38,6 +38,7 @@ def test_the_family_of_errors():
     (lambda: kappaflow.Tracker(*moving(), ids=np.zeros(len(ball()), int)), "ids"),
     (lambda: kappaflow.Tracker(*moving(), ids=np.linspace(0, 1, len(ball()))), r"ids: no array of int64; one of shape \(\d+,\)"),
     (lambda: kappaflow.Tracker(*moving(), sources=np.full(len(ball()), 2**31)), "sources: a number does not fit into int32"),
+    (lambda: kappaflow.Field(ball(), sigma=1, threshold=1, scales=np.zeros(len(ball()))), "particle 0: its scale is 0; it must be positive"),
     (lambda: kappaflow.Tracker(ball(), ids=np.arange(len(ball()))), "ids: they need velocities"),
     (lambda: kappaflow.Tracker(*moving()).advance(*moving(), time=0), "a motion from 0 s to 0 s; its end must be later"),
     (lambda: kappaflow.Tracker(*moving()).advance(ball(), time=1), "velocities: they are given at some instants and not at others"),

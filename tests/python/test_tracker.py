@@ -82,6 +82,15 @@ def test_sources_are_those_of_the_nearest_particles():
     assert "source" not in kappaflow.Tracker(*drifting(0)).mesh().arrays
 
 
+def test_larger_particles_have_larger_surfaces():
+    x = np.array([[0.0, 0, 0], [10, 0, 0]])
+    mesh = kappaflow.Tracker(x, np.zeros_like(x), sigma=1, threshold=0.3, scales=[1, 2]).mesh()
+    radius = np.sqrt(1 - 0.3 ** (1 / 3))  # of a lone particle's surface, in its sigma
+    near = mesh.positions[:, 0] < 5
+    np.testing.assert_allclose(np.linalg.norm(mesh.positions[near], axis=1), radius, atol=2e-4)
+    np.testing.assert_allclose(np.linalg.norm(mesh.positions[~near] - [10, 0, 0], axis=1), 2 * radius, atol=2e-4)
+
+
 def test_arrays_of_ones_own_are_carried_along():
     tracker = kappaflow.Tracker(*drifting(0), methods=["material", "total"])
     tracker.add_array("temperature", 20.0)
@@ -98,7 +107,7 @@ def test_arrays_of_ones_own_are_carried_along():
 
 
 def test_a_point_cloud_needs_neither_velocities_nor_ids():
-    tracker = kappaflow.Tracker(drifting(0)[0], next=(drifting(0.02)[0], None, None, 0.02))
+    tracker = kappaflow.Tracker(drifting(0)[0], next={"positions": drifting(0.02)[0], "time": 0.02})
     mesh = tracker.mesh()
     normal_speed = (mesh["velocity"] * mesh["Normals"]).sum(1)
     np.testing.assert_allclose(normal_speed, mesh["Normals"] @ DRIFT, atol=0.15)  # the rates are differences of fields
@@ -122,12 +131,12 @@ def test_tracking_a_runs_particles_is_what_the_program_does(program, staircase, 
     subprocess.run([program, "track", staircase / "particles/particles_*.vtp", "--velocity", ",".join(METHODS), "--out", folder,
                     "--quiet"], check=True)
     expected = kappaflow.read_run(folder)
-    particles = kappaflow.read_run(staircase).particles
-    rows = [(p.positions, p["velocity"], p["id"]) for p in particles]
-    tracker = kappaflow.Tracker(*rows[0], methods=METHODS, sources=particles[0]["source"], next=(*rows[1], particles[1].time))
+    frames = [{"positions": p.positions, "velocities": p["velocity"], "ids": p["id"], "time": p.time, "sources": p["source"]}
+              for p in kappaflow.read_run(staircase).particles]
+    tracker = kappaflow.Tracker(**frames[0], methods=METHODS, next=frames[1], edge_length=0.25)  # as the program
     assert (tracker.sigma, tracker.threshold) == (expected.record["sigma"], expected.record["threshold"])
-    for frame, row in enumerate(rows):
-        if frame > 0:
-            tracker.advance(*row, time=particles[frame].time, sources=particles[frame]["source"])
+    for number, frame in enumerate(frames):
+        if number > 0:
+            tracker.advance(**frame)
         for surface, method in enumerate(METHODS):
-            assert_same_mesh(tracker.mesh(surface), expected.meshes(method)[frame])
+            assert_same_mesh(tracker.mesh(surface), expected.meshes(method)[number])
