@@ -196,7 +196,7 @@ auto drawn(int width, int height, const Fill& fill, const Take& take) {
   window.AddRenderer(renderer);
   fill(*renderer);
   window.Render();
-  const auto taken = take(*renderer);
+  auto taken = take(*renderer);
   window.RemoveRenderer(renderer);
   return taken;
 }
@@ -275,7 +275,7 @@ int share(double of_panel, int size) {
 vtkSmartPointer<vtkImageData> surface_image(vtkPolyData& surface, const Walls& walls, const Framing& framing,
                                             const PictureStyle& style, int width, int height) {
   DepthImage depths;
-  const auto image = drawn(
+  auto image = drawn(
       kSamples * width + 2 * kRim, kSamples * height + 2 * kRim,
       [&](vtkRenderer& renderer) { fill_panel(renderer, surface, walls, framing, style); },
       [&](vtkRenderer& renderer) {
