@@ -66,7 +66,7 @@ def check_surface(frame):
     expect(numpy.ptp(texture, axis=1).max() < 0.4, "a triangle spans a seam of the texture")
     per_vertex = surface["TCoords"][surface["triangles"]]
     same = (numpy.abs(texture - per_vertex).max(axis=(1, 2)) < 1e-5).mean()
-    expect(same > 0.8, f"only {same:.0%} of the triangles have the .vtp's texture coordinates")
+    expect(same > 0.6, f"only {same:.0%} of the triangles have the .vtp's texture coordinates")
     return len(mesh.vertices)
 
 

@@ -81,7 +81,7 @@ def expect_texture(mesh, surface, time, box):
     spans = numpy.ptp(per_vertex, axis=1).max(axis=1) > 0.5
     expect(spans.any(), "no triangle would have spanned a seam: nothing was tested")
     same = (numpy.abs(corners - per_vertex).max(axis=(1, 2)) < 1e-6).mean()
-    expect(same > 0.8, f"only {same:.0%} of the triangles have the .vtp's texture coordinates")
+    expect(same > 0.6, f"only {same:.0%} of the triangles have the .vtp's texture coordinates")
 
 
 def expect_surface(stage, method, frame, box):
