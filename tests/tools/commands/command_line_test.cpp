@@ -37,7 +37,8 @@ TEST_F(CommandLine, MistakesAreOneLineAndExitCodeTwo) {
   const std::vector<Mistake> mistakes{
       {{},
        2,
-       "no command; commands are run, track, check, benchmark, probe, render, page, experiment, compare; see "
+       "no command; commands are run, track, check, benchmark, probe, render, page, convert, experiment, "
+       "compare; see "
        "kappaflow --help"},
       {{"frobnicate"}, 2, "unknown command \"frobnicate\"; see kappaflow --help"},
       {{"run"}, 2, "SCENE or --resume is required; see kappaflow run --help"},
