@@ -407,6 +407,7 @@ TEST_F(Track, SPlisHSPlasHFramesEndToEnd) {
   o.frames_per_second = 25;
   o.sigma.reset();
   o.threshold.reset();
+  o.metrics_interval = 1;
   o.formats = {MeshFormat::obj, MeshFormat::ply};
   ASSERT_EQ(track(o), 0);
   const auto rows = read_table(folder / "out/metrics.csv");
