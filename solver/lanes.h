@@ -31,29 +31,6 @@ inline Vec4f sums(const Wide& x, const Wide& y, const Wide& z) {
   return result;
 }
 
-/// The other way round: the k-th of the result has lane k of the eight.
-[[gnu::always_inline]] inline std::array<Wide, kWide> transposed(const std::array<Wide, kWide>& lanes) {
-  using Eight [[gnu::vector_size(32)]] = float;
-  std::array<Eight, kWide> a, b;
-  for (std::size_t k = 0; k < kWide; ++k) std::memcpy(&a[k], lanes[k].data(), sizeof a[k]);
-  for (std::size_t k = 0; k < kWide; k += 2) {
-    b[k] = __builtin_shufflevector(a[k], a[k + 1], 0, 8, 1, 9, 4, 12, 5, 13);
-    b[k + 1] = __builtin_shufflevector(a[k], a[k + 1], 2, 10, 3, 11, 6, 14, 7, 15);
-  }
-  for (std::size_t k = 0; k < kWide; k += 4)
-    for (std::size_t j = 0; j < 2; ++j) {
-      a[k + 2 * j] = __builtin_shufflevector(b[k + j], b[k + j + 2], 0, 1, 8, 9, 4, 5, 12, 13);
-      a[k + 2 * j + 1] = __builtin_shufflevector(b[k + j], b[k + j + 2], 2, 3, 10, 11, 6, 7, 14, 15);
-    }
-  for (std::size_t k = 0; k < 4; ++k) {
-    b[k] = __builtin_shufflevector(a[k], a[k + 4], 0, 1, 2, 3, 8, 9, 10, 11);
-    b[k + 4] = __builtin_shufflevector(a[k], a[k + 4], 4, 5, 6, 7, 12, 13, 14, 15);
-  }
-  std::array<Wide, kWide> result;
-  for (std::size_t k = 0; k < kWide; ++k) std::memcpy(result[k].data(), &b[k], sizeof b[k]);
-  return result;
-}
-
 /// (v[a], v[b], v[c], v[d])
 template <int a, int b, int c, int d>
 Vec4f shuffled(const Vec4f& v) {

@@ -11,6 +11,7 @@ namespace kappaflow {
 namespace {
 
 constexpr std::size_t kCellGrain = 16, kParentGrain = 2;  // cells that a task works on
+constexpr std::size_t kHeadroom = 16;                     // matrices grow by this fraction more than needed
 constexpr std::int64_t kLastPlace = (std::int64_t{1} << RigidLevel::kBitsOfPlace) - 1;
 
 // Sums in single precision are uncertain by about this share; blocks are made so much stiffer, lest one that
@@ -48,6 +49,16 @@ std::array<std::int64_t, 3> neighbour_after(const std::array<std::int64_t, 3>& p
 
 /// Every neighbour.
 constexpr auto kAll = [](std::uint32_t) { return true; };
+
+/// Room for n, without what was there, and without the double of it that growing by a few would take.
+template <class T>
+void make_room_for(std::vector<T>& values, std::size_t n) {
+  if (values.capacity() < n) {
+    std::vector<T>().swap(values);
+    values.reserve(n + n / kHeadroom);
+  }
+  values.resize(n);
+}
 
 /// Turns counts, with one entry more than there are, into where each begins.
 void counts_to_begins(std::vector<std::uint32_t>& counts) {
@@ -90,8 +101,8 @@ void RigidLevel::reset() {
 
 void RigidLevel::make_room() {
   for (auto* vectors : {&load, &motion}) vectors->resize(cells());
-  for (auto* matrices : {&anchor, &inverse_}) matrices->resize(cells());
-  coupling.resize(links.size());
+  for (auto* matrices : {&anchor, &inverse_}) make_room_for(*matrices, cells());
+  make_room_for(coupling, links.size());
   parent_.resize(cells());
 }
 

@@ -23,11 +23,11 @@ float cell_along(float x, float lower, float width) {
   return std::min(std::floor((x - lower) * (1 / width)), kLastCell);
 }
 
-/// w x x^T of eight pairs: xx, yy, zz, yz, xz, xy, and two zeros.
-using WideSquares = std::array<Wide, 8>;
+/// w x x^T of eight pairs.
+using WideSquares = std::array<Wide, 6>;
 WideSquares weighted_squares(const WideVec& x, const Wide& weight) {
   const Wide wx = weight * x.x, wy = weight * x.y, wz = weight * x.z;
-  return {wx * x.x, wy * x.y, wz * x.z, wy * x.z, wx * x.z, wx * x.y, Wide::Zero(), Wide::Zero()};
+  return {wx * x.x, wy * x.y, wz * x.z, wy * x.z, wx * x.z, wx * x.y};
 }
 
 }  // namespace
@@ -69,12 +69,14 @@ class RigidMultigrid::CellSums {
     if (!grid_.weak_) find_borders(particles_.position[i]);
     std::array<Wide, 6> pairs;
     pairs.fill(Wide::Zero());
-    forces_.for_pairs(i, particles_, lists_,
-                      [&](const PairBlock& block, const WideVec& x, const Wide& w, const WideVec& xj) {
-                        const WideSquares squares = weighted_squares(x, w);
-                        for (std::size_t k = 0; k < 6; ++k) pairs[k] += squares[k];
-                        if (!grid_.weak_) couple(block, xj, w, squares);
-                      });
+    forces_.for_pairs(
+        i, particles_, lists_,
+        [&](const PairBlock& block, const WideVec& x, const Wide& w, const WideVec& xj)
+            __attribute__((always_inline)) {
+              const WideSquares squares = weighted_squares(x, w);
+              for (std::size_t k = 0; k < 6; ++k) pairs[k] += squares[k];
+              if (!grid_.weak_) couple(block, xj, w, squares);
+            });
     const SymmetricMatrix drag = wall_drag(i);
     const Vec4f diagonal = sums(pairs[0], pairs[1], pairs[2]), others = sums(pairs[3], pairs[4], pairs[5]);
     grid_.inverse_diagonal_[i] =
@@ -96,10 +98,11 @@ class RigidMultigrid::CellSums {
     Wide octant = beyond(xj.x, 0) + beyond(xj.y, 1) + beyond(xj.z, 2);
     if (grid_.any_led_) find_led(block, weight, octant);
     if ((octant == 0).all()) return;
-    const std::array<Wide, kWide> square = transposed(squares);
-    const Eigen::Array<int, kWide, 1> into = octant.cast<int>();
-    for (int k = 0; k < kWide; ++k)
-      squares_[static_cast<std::size_t>(into[k])] += square[static_cast<std::size_t>(k)];
+    for (int k = 0; k < kWide; ++k) {
+      if (octant[k] == 0) continue;
+      const int into = static_cast<int>(octant[k]);
+      for (std::size_t a = 0; a < 6; ++a) (into == kLed ? led_[a] : squares_[a][into]) += squares[a][k];
+    }
   }
   /// 2^axis beyond the border, else 0.
   Wide beyond(const Wide& x, std::size_t axis) const {
@@ -133,7 +136,8 @@ class RigidMultigrid::CellSums {
   };
   std::array<Border, 3> borders_;
   std::size_t side_ = 0;
-  std::array<Wide, kWide + 1> squares_;  // by octant, as weighted_squares()
+  WideSquares squares_;    // of the octants
+  SymmetricMatrix led_{};  // of the particles that are led
 
   static std::array<RigidMatrixOf<Wide>, 8> zeros() {
     RigidMatrixOf<Wide> zero;
@@ -148,6 +152,7 @@ class RigidMultigrid::CellSums {
 
 void RigidMultigrid::CellSums::find_borders(const Vec4f& x) {
   squares_.fill(Wide::Zero());
+  led_ = {};
   side_ = 0;
   for (std::size_t a = 0; a < 3; ++a) {
     const int axis = static_cast<int>(a);
@@ -162,13 +167,10 @@ void RigidMultigrid::CellSums::find_borders(const Vec4f& x) {
 void RigidMultigrid::CellSums::add_squares(std::size_t i, const SymmetricMatrix& drag) {
   const Eigen::Vector3f arm = grid_.arm(cell_, particles_.position[i]).head<3>();
   SymmetricMatrix own;
-  for (std::size_t k = 0; k < 6; ++k)
-    own[k] = (k < 3 ? 1.0f : 0.0f) + time_step_ * (drag[k] + squares_[kLed][static_cast<int>(k)]);
+  for (std::size_t k = 0; k < 6; ++k) own[k] = (k < 3 ? 1.0f : 0.0f) + time_step_ * (drag[k] + led_[k]);
   anchor_ += rigid::matrix_at(own, arm);
-  const std::array<Wide, kWide> octants = transposed({squares_[0], squares_[1], squares_[2], squares_[3],
-                                                      squares_[4], squares_[5], squares_[6], squares_[7]});
-  std::array<Wide, 6> square;
-  for (std::size_t k = 0; k < 6; ++k) square[k] = time_step_ * octants[k];
+  WideSquares square;
+  for (std::size_t k = 0; k < 6; ++k) square[k] = time_step_ * squares_[k];
   sums_[side_] += rigid::matrix_at(square, arm);
 }
 
