@@ -23,8 +23,9 @@ struct FieldParticles {
   double cloud_speed = 0;
 };
 
-/// Eq. 12 at one instant, with its analytic jet; without the particles that without_strays() leaves out. The third derivatives jump where a particle's support ends;
-/// all else is continuous. Every sum runs in a fixed order, so results do not depend on the threads.
+/// Eq. 12 at one instant, with its analytic jet; without the particles that without_strays() leaves out. The
+/// third derivatives jump where a particle's support ends; all else is continuous. Every sum runs in a fixed
+/// order, so results do not depend on the threads.
 class ParticleField final : public Field {
  public:
   /// threshold: T [-]. Throws InvalidInput when arrays differ in length or a sigma is not positive.

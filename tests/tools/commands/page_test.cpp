@@ -104,7 +104,8 @@ TEST_F(Page, ShowsWhenLiquidCame) {
   const std::string page = bytes_of(out + "/page.html");
   const std::size_t begin = page.find(colour), range = page.find("\"range\":[", begin);
   ASSERT_NE(begin, std::string::npos);
-  EXPECT_EQ(page.substr(range, page.find(']', range) - range), "\"range\":[0.0,0.1") << "from beginning to end";
+  EXPECT_EQ(page.substr(range, page.find(']', range) - range), "\"range\":[0.0,0.1")
+      << "from beginning to end";
 }
 
 TEST_F(Page, SaysWhereItIs) {

@@ -185,7 +185,8 @@ TEST_F(TrackReliability, OtherParticlesAreNotResumed) {
   fs::remove(last);
   const ProgramResult missing = run_program({"track", "--resume", out.string()});
   EXPECT_EQ(missing.exit_code, 5);
-  EXPECT_EQ(missing.err, "kappaflow: error: " + last.string() + ": there is no such file\n");
+  EXPECT_EQ(missing.err,
+            "kappaflow: error: " + last.string() + ": cannot be read (No such file or directory)\n");
   std::ofstream(last) << text;
   const ProgramResult run = run_program({"run", "--resume", out.string()});
   EXPECT_EQ(run.exit_code, 2);
