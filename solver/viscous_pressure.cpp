@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "core/parallel.h"
-#include "solver/lanes.h"
 #include "solver/pressure.h"
 
 namespace kappaflow {
@@ -74,7 +73,7 @@ void ViscousPressure::spread(FluidParticles& particles, const NeighbourLists& li
       sum_y += scale * y;
       sum_z += scale * z;
     }
-    particles.velocity[i] -= time_step * kSpread * sums(sum_x, sum_y, sum_z);
+    particles.velocity[i] -= time_step * kSpread * Vec4f(sum_x.sum(), sum_y.sum(), sum_z.sum(), 0);
   });
 }
 
