@@ -121,6 +121,7 @@ std::vector<PointArray> arrays_to_write(const TexturedMesh& mesh) {
 Contents contents_of(const TexturedMesh& mesh, const Vec3& origin) {
   const std::vector<std::size_t> vertex = vertex_of_entries(mesh);
   std::vector<Vec3> position;
+  position.reserve(vertex.size());
   for (const std::size_t v : vertex) position.push_back(mesh.position[v]);
   Contents all;
   add_vectors(all, mesh.position, origin, vertex, ends_of(position, origin));

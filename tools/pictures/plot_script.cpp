@@ -115,8 +115,9 @@ std::vector<PlacedPlot> place_all(std::span<const Plot> plots) {
   std::vector<PlacedPlot> placed;
   placed.reserve(plots.size());
   for (std::size_t p = 0; p < plots.size(); ++p) {
-    placed.push_back(place(plots[p], static_cast<double>(p % columns) * width,
-                           static_cast<double>(rows - 1 - p / columns) * kHeight, width));
+    const std::size_t column = p % columns, rows_below = rows - 1 - p / columns;
+    placed.push_back(place(plots[p], static_cast<double>(column) * width,
+                           static_cast<double>(rows_below) * kHeight, width));
   }
   return placed;
 }
@@ -302,7 +303,8 @@ std::string terminals(double width, double height) {
 
 std::string plot_script(const std::string& name, std::span<const Plot> plots) {
   const std::vector<PlacedPlot> placed = place_all(plots);
-  const double width = page_width(plots), height = kHeight * static_cast<double>((plots.size() + 1) / 2);
+  const std::size_t rows = (plots.size() + 1) / 2;
+  const double width = page_width(plots), height = kHeight * static_cast<double>(rows);
   std::string script = fmt::format("# gnuplot {0}.gp draws {0}.png, {0}.pdf and {0}.svg\n", name);
   for (std::size_t p = 0; p < placed.size(); ++p) script += data_blocks(placed[p], p);
   script += terminals(width, height) + "set encoding utf8\nif (!exists('suffix')) suffix = ''\n";

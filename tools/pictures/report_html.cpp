@@ -20,7 +20,7 @@ std::string paragraphs(const std::string& markdown) {
 
 /// Without the paragraph's marks.
 std::string inline_html(const std::string& markdown) {
-  const std::string html = paragraphs(markdown);
+  std::string html = paragraphs(markdown);
   const std::string_view before = "<p>", after = "</p>\n";
   if (!html.starts_with(before) || !html.ends_with(after)) return html;
   return html.substr(before.size(), html.size() - before.size() - after.size());
