@@ -11,6 +11,14 @@ endif()
 file(REMOVE_RECURSE ${FOLDER})
 file(MAKE_DIRECTORY ${FOLDER})
 
+# Debian's pvbatch is there without its modules, which exclude libvtk9-dev: tools/setup --paraview unpacks them.
+file(WRITE ${FOLDER}/import.py "from paraview import simple\n")
+execute_process(COMMAND xvfb-run -a -s -noreset ${PVBATCH} ${FOLDER}/import.py RESULT_VARIABLE failed OUTPUT_QUIET ERROR_QUIET)
+if(failed)
+  message("ParaView's Python is not installed: skipped")
+  return()
+endif()
+
 function(open name)
   execute_process(COMMAND ${PROGRAM} ${ARGN} --out ${FOLDER}/${name} --quiet COMMAND_ERROR_IS_FATAL ANY)
   set(picture ${FOLDER}/${name}.png)
