@@ -145,6 +145,7 @@ void add_pictures(const RunSummary& run, const ExperimentContext& context, Repor
     options.out = context.folder / name;
     options.frame = frame;
     options.columns = 3;
+    options.size = {640, 560};  // more is not seen of three on a page, and takes its time
     render(options);
     report.figures.push_back({name, fmt::format("All methods at t = {:.2f} s.", run.frames[frame].time)});
   }
