@@ -19,12 +19,11 @@ namespace {
 
 ArrayOut<double, 2> coordinates(const VectorsIn& rest_position, const VectorsIn& first,
                                 const std::string& projection) {
-  const auto* const found =
-      std::ranges::find(kTextureProjections, projection, &Named<TextureProjection>::name);
-  if (found == std::end(kTextureProjections))
+  const std::optional<TextureProjection> found = value_of(kTextureProjections, projection);
+  if (!found)
     throw InvalidInput(fmt::format("projection: '{}'; allowed are planar, spherical, box", projection));
   return array_of<double, 2>(
-      texture_coordinates(entries<Vec3>(rest_position), bounding_box(entries<Vec3>(first)), found->value));
+      texture_coordinates(entries<Vec3>(rest_position), bounding_box(entries<Vec3>(first)), *found));
 }
 
 ArrayOut<unsigned char, 3> colours(const VectorsIn& rest_position, const std::array<double, 3>& origin,

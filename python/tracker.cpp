@@ -61,10 +61,8 @@ constexpr Named<Carry> kCarries[] = {
     {"interpolate", Carry::interpolate}, {"nearest", Carry::nearest}, {"recompute", Carry::recompute}};
 
 Carry carry_named(const std::string& name) {
-  const auto* const found = std::ranges::find(kCarries, name, &Named<Carry>::name);
-  if (found == std::end(kCarries))
-    throw InvalidInput(fmt::format("carry: '{}'; allowed are interpolate, nearest, recompute", name));
-  return found->value;
+  if (const std::optional<Carry> carry = value_of(kCarries, name)) return *carry;
+  throw InvalidInput(fmt::format("carry: '{}'; allowed are interpolate, nearest, recompute", name));
 }
 
 template <class T>

@@ -27,10 +27,6 @@ std::string experiment_lines() {
                             "all validations of the solver: names that begin with \"validate-\"");
 }
 
-TextureProjection projection_named(std::string_view name) {
-  return std::ranges::find(kTextureProjections, name, &Named<TextureProjection>::name)->value;
-}
-
 void add_range(CLI::App& track, FileRange& range) {
   static constexpr const char* kForm = "FIRST:LAST or FIRST:LAST:STEP, with FIRST <= LAST";
   const auto set = [&range](const std::string& word) {
@@ -85,7 +81,8 @@ void add_track(CLI::App& app, CommandLine& line) {
                "Edge of the checker's cubes in metres (default: 2.5 sigma)");
   track
       ->add_option_function<std::string>(
-          "--texture", [&line](const std::string& name) { line.track.texture = projection_named(name); },
+          "--texture",
+          [&line](const std::string& name) { line.track.texture = *value_of(kTextureProjections, name); },
           "Projection of 2D texture coordinates: planar, spherical, box (default: box)")
       ->type_name("NAME")
       ->check(one_of({"planar", "spherical", "box"}));

@@ -2,15 +2,12 @@
 
 #include <utility>
 
+#include "core/bytes.h"
+
 namespace kappaflow {
 namespace {
 
-template <class... T>
-std::size_t bytes_of(const std::vector<T>&... array) {
-  return ((array.size() * sizeof(T)) + ...);
-}
-
-std::size_t bytes_of(const InputFrame& frame) {
+std::size_t bytes_in(const InputFrame& frame) {
   return bytes_of(frame.position, frame.id, frame.velocity, frame.density, frame.pressure, frame.source,
                   frame.radius);
 }
@@ -24,7 +21,7 @@ const InputFrame& InputFrames::operator[](std::size_t frame) {
   for (auto* frames : {&kept_, &last_})
     if (const auto found = frames->find(frame); found != frames->end()) return found->second;
   InputFrame read = read_input_frame(files_[frame]);
-  const std::size_t bytes = bytes_of(read);
+  const std::size_t bytes = bytes_in(read);
   if (bytes <= room_) {
     room_ -= bytes;
     return kept_.emplace(frame, std::move(read)).first->second;

@@ -39,8 +39,7 @@ NumberType type_in(Attributes attributes) {
       {"Int64", NumberType::int64},    {"UInt64", NumberType::uint64}, {"Float32", NumberType::float32},
       {"Float64", NumberType::float64}};
   const std::string_view name = xml_attribute(attributes, "type");
-  for (const auto& known : kTypes)
-    if (known.name == name) return known.value;
+  if (const std::optional<NumberType> type = value_of(kTypes, name)) return *type;
   throw InvalidInput(fmt::format("\"{}\" is no type of numbers", one_line(name, 30)));
 }
 

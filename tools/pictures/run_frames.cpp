@@ -60,9 +60,7 @@ View RunFrames::view() const {
 }
 
 TextureProjection RunFrames::projection() const {
-  const std::string name = record_["texture"].asString();
-  const auto* const found = std::ranges::find(kTextureProjections, name, &Named<TextureProjection>::name);
-  return found == std::end(kTextureProjections) ? TextureProjection::box : found->value;
+  return value_of(kTextureProjections, record_["texture"].asString()).value_or(TextureProjection::box);
 }
 
 vtkSmartPointer<vtkPolyData> RunFrames::surface(const std::string& method, int frame) const {

@@ -23,11 +23,6 @@ constexpr Named<SolidTexture::Kind> kPatterns[] = {{"checker", SolidTexture::Kin
                                                    {"stripes", SolidTexture::Kind::stripes},
                                                    {"grid", SolidTexture::Kind::grid}};
 
-const Named<SolidTexture::Kind>* pattern_of(const std::string& name) {
-  const auto* const found = std::ranges::find(kPatterns, name, &Named<SolidTexture::Kind>::name);
-  return found == std::end(kPatterns) ? nullptr : found;
-}
-
 bool is_png(const std::filesystem::path& file) {
   return file.extension() == ".png";
 }
@@ -94,11 +89,11 @@ vtkSmartPointer<vtkImageData> read_image(const std::filesystem::path& file) {
 
 bool is_texture(const std::string& name) {
   const std::string ending = std::filesystem::path(name).extension().string();
-  return pattern_of(name) != nullptr || ending == ".png" || ending == ".jpg" || ending == ".jpeg";
+  return value_of(kPatterns, name) || ending == ".png" || ending == ".jpg" || ending == ".jpeg";
 }
 
 SolidTexture solid_texture(const std::string& name, const Bounds& box, TextureProjection projection) {
-  if (const auto* const pattern = pattern_of(name)) return {pattern->value, nullptr, box, projection};
+  if (const auto pattern = value_of(kPatterns, name)) return {*pattern, nullptr, box, projection};
   return {SolidTexture::Kind::image, read_image(name), box, projection};
 }
 

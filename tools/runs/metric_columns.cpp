@@ -56,6 +56,34 @@ void read_cell(std::string_view cell, Count& count) {
   count = *found;
 }
 
+/// The value at the end of the way from a row through members, some of them optional; null where one is not
+/// there.
+template <auto Member, auto... Rest, class From>
+constexpr auto* end_of_way(const From& from) {
+  const auto& member = from.*Member;
+  if constexpr (sizeof...(Rest) == 0)
+    return &member;
+  else if constexpr (requires { *member; })
+    return member ? end_of_way<Rest...>(*member) : nullptr;
+  else
+    return end_of_way<Rest...>(member);
+}
+
+/// Reads it, and makes what is optional on the way where the cell has a value.
+template <auto Member, auto... Rest, class To>
+void read_at_end(std::string_view cell, To& to) {
+  auto& member = to.*Member;
+  if constexpr (sizeof...(Rest) == 0) {
+    read_cell(cell, member);
+  } else if constexpr (requires { *member; }) {
+    if (cell.empty()) return;
+    if (!member) member.emplace();
+    read_at_end<Rest...>(cell, *member);
+  } else {
+    read_at_end<Rest...>(cell, member);
+  }
+}
+
 /// Members: the way from a row to the value.
 template <auto... Members>
 constexpr MetricColumn column(std::string_view name, std::string_view unit, Better better,
@@ -64,9 +92,15 @@ constexpr MetricColumn column(std::string_view name, std::string_view unit, Bett
           unit,
           meaning,
           better,
-          [](const MetricsRow& row) { return cell_of((row.*....*Members)); },
-          [](const MetricsRow& row) -> double { return number_of((row.*....*Members)); },
-          [](std::string_view cell, MetricsRow& row) { read_cell(cell, (row.*....*Members)); }};
+          [](const MetricsRow& row) {
+            const auto* const value = end_of_way<Members...>(row);
+            return value == nullptr ? std::string() : cell_of(*value);
+          },
+          [](const MetricsRow& row) -> double {
+            const auto* const value = end_of_way<Members...>(row);
+            return value == nullptr ? kNoNumber : number_of(*value);
+          },
+          [](std::string_view cell, MetricsRow& row) { read_at_end<Members...>(cell, row); }};
 }
 
 /// Of a frame: FrameMetrics.
@@ -79,40 +113,6 @@ template <auto... Members>
 constexpr MetricColumn of_surface(std::string_view name, std::string_view unit, Better better,
                                   std::string_view meaning) {
   return column<&MetricsRow::surface, Members...>(name, unit, better, meaning);
-}
-
-/// Of what a row only has where its frame is judged. Optional: the way from a row to it, Members: from there.
-template <auto Row, auto Optional, auto... Members>
-constexpr MetricColumn of_judged(std::string_view name, std::string_view unit, Better better,
-                                 std::string_view meaning) {
-  return {name,
-          unit,
-          meaning,
-          better,
-          [](const MetricsRow& row) {
-            const auto& judged = row.*Row.*Optional;
-            return judged ? cell_of(((*judged).*....*Members)) : std::string();
-          },
-          [](const MetricsRow& row) -> double {
-            const auto& judged = row.*Row.*Optional;
-            return judged ? number_of(((*judged).*....*Members)) : kNoNumber;
-          },
-          [](std::string_view cell, MetricsRow& row) {
-            auto& judged = row.*Row.*Optional;
-            if (cell.empty()) return;
-            if (!judged) judged.emplace();
-            read_cell(cell, ((*judged).*....*Members));
-          }};
-}
-template <auto... Members>
-constexpr MetricColumn of_isosurface(std::string_view name, std::string_view unit, std::string_view meaning) {
-  return of_judged<&MetricsRow::frame, &FrameMetrics::isosurface, Members...>(name, unit, Better::neither,
-                                                                              meaning);
-}
-template <auto... Members>
-constexpr MetricColumn of_judgement(std::string_view name, std::string_view unit, Better better,
-                                    std::string_view meaning) {
-  return of_judged<&MetricsRow::surface, &SurfaceMetrics::judgement, Members...>(name, unit, better, meaning);
 }
 
 using Frame = FrameMetrics;
@@ -150,8 +150,8 @@ constexpr MetricColumn kColumns[] = {
     of_surface<&Surface::size, &AreaAndVolume::area>("area", "m2", Better::neither, "of the tracked mesh"),
     of_surface<&Surface::size, &AreaAndVolume::volume>("volume", "m3", Better::neither,
                                                        "of the tracked mesh"),
-    of_isosurface<&IsosurfaceMetrics::volume>("isosurface_volume", "m3",
-                                              "of a surface freshly extracted at spacing 0.25 sigma"),
+    of_frame<&Frame::isosurface, &IsosurfaceMetrics::volume>(
+        "isosurface_volume", "m3", "of a surface freshly extracted at spacing 0.25 sigma"),
     of_surface<&Surface::slip>("slip", "1", Better::lower,
                                "RMS over the vertices (by area) of the tangential difference to `material`, "
                                "over the RMS tangential speed of `material`"),
@@ -166,10 +166,10 @@ constexpr MetricColumn kColumns[] = {
                                                               "pieces of the tracked mesh"),
     of_surface<&Surface::topology, &MeshTopology::genus>("genus", "1", Better::neither,
                                                          "handles of the tracked mesh"),
-    of_isosurface<&IsosurfaceMetrics::topology, &MeshTopology::components>("isosurface_components", "1",
-                                                                           "pieces of the fresh isosurface"),
-    of_isosurface<&IsosurfaceMetrics::topology, &MeshTopology::genus>("isosurface_genus", "1",
-                                                                      "handles of the fresh isosurface"),
+    of_frame<&Frame::isosurface, &IsosurfaceMetrics::topology, &MeshTopology::components>(
+        "isosurface_components", "1", "pieces of the fresh isosurface"),
+    of_frame<&Frame::isosurface, &IsosurfaceMetrics::topology, &MeshTopology::genus>(
+        "isosurface_genus", "1", "handles of the fresh isosurface"),
     of_surface<&Surface::kept_fraction>("kept_fraction", "1", Better::higher,
                                         "share of the first mesh's vertices that are still there"),
     of_surface<&Surface::unprojected>("unprojected", "1", Better::lower, "vertices that are not on f = 0"),
@@ -179,7 +179,7 @@ constexpr MetricColumn kColumns[] = {
     of_surface<&Surface::angles_outside>(
         "angles_outside", "1", Better::lower,
         "share of the triangles with an angle below 15 or above 140 degrees"),
-    of_judgement<&Judgement::self_intersections>(
+    of_surface<&Surface::judgement, &Judgement::self_intersections>(
         "self_intersections", "1", Better::lower,
         "pairs of triangles that pass through each other, those with a "
         "common edge left out"),
@@ -192,11 +192,11 @@ constexpr MetricColumn kColumns[] = {
                                                          "the texture is folded, torn or smeared"),
     of_surface<&Surface::kept_since_frame>("kept_since_frame", "1", Better::higher,
                                            "share of the last frame's vertices that are still there"),
-    of_judgement<&Judgement::surface_without_mesh>(
+    of_surface<&Surface::judgement, &Judgement::surface_without_mesh>(
         "surface_without_mesh", "sigma", Better::lower,
         "largest distance from the points of f = 0 on the edges of "
         "the fresh isosurface's lattice to the mesh"),
-    of_judgement<&Judgement::mesh_without_surface>(
+    of_surface<&Surface::judgement, &Judgement::mesh_without_surface>(
         "mesh_without_surface", "sigma", Better::lower,
         "largest distance from the centroids of the mesh's triangles "
         "to f = 0"),
@@ -205,12 +205,12 @@ constexpr MetricColumn kColumns[] = {
                                            "the last frame: see [topology.md](topology.md)"),
     of_surface<&Surface::regions_refused>("regions_refused", "1", Better::lower,
                                           "regions where that failed since the last frame"),
-    of_judgement<&Judgement::on_lattice, &MeshTopology::components>(
+    of_surface<&Surface::judgement, &Judgement::on_lattice, &MeshTopology::components>(
         "components_on_lattice", "1", Better::neither,
         "pieces of the tracked mesh as the lattice of the fresh isosurface sees it: what passes between its "
         "points is left out, and counted by the difference to `components`"),
-    of_judgement<&Judgement::on_lattice, &MeshTopology::genus>("genus_on_lattice", "1", Better::neither,
-                                                               "handles of the same"),
+    of_surface<&Surface::judgement, &Judgement::on_lattice, &MeshTopology::genus>(
+        "genus_on_lattice", "1", Better::neither, "handles of the same"),
     of_surface<&Surface::vertices_replaced>("vertices_replaced", "1", Better::lower,
                                             "vertices that changes of topology took away since the last "
                                             "frame; `kept_since_frame` counts those that remeshing took as "

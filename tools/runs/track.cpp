@@ -151,10 +151,10 @@ RunSettings settings_for(const TrackOptions& options, const ParticleSequence& se
 }
 
 /// Reads and checks all files, and says so from the first second on.
-ParticleSequence read_sequence(const FileSeries& series, const TrackOptions& options,
-                               std::optional<double> frames_per_second) {
+ParticleSequence read_sequence(const FileSeries& series, const TrackOptions& options) {
   WorkProgress progress("checking file", static_cast<int>(series.files.size()), !options.quiet);
-  return {series, frames_per_second, [&](std::size_t file) { progress.show(static_cast<int>(file)); }};
+  return {series, options.frames_per_second,
+          [&](std::size_t file) { progress.show(static_cast<int>(file)); }};
 }
 
 SequenceFrames first_frame(ParticleSequence& sequence, const SurfaceOptions& surface,
@@ -194,7 +194,7 @@ RunSummary resume(const TrackOptions& options) {
   if (frame + 1 == std::ssize(series.files)) return complete_run(folder.path(), frame);
 
   if (!options.inputs.empty()) series = file_series(options.inputs, begun.range);
-  ParticleSequence sequence = read_sequence(series, begun, begun.frames_per_second);
+  ParticleSequence sequence = read_sequence(series, begun);
   if (sequence.hash() != hash)
     throw InvalidInput(fmt::format("{}: the particles are not those that the run in {} began with",
                                    sequence.name(), folder.path().string()));
@@ -212,8 +212,7 @@ int track(const TrackOptions& options) {
   if (!options.resume.empty())
     return run_outcome(resume(options), kTrackCommand, options.resume, options.quiet);
   const Stopwatch watch;
-  ParticleSequence sequence =
-      read_sequence(file_series(options.inputs, options.range), options, options.frames_per_second);
+  ParticleSequence sequence = read_sequence(file_series(options.inputs, options.range), options);
   return run_outcome(begin(options, sequence, watch), kTrackCommand, folder_for(options, sequence),
                      options.quiet);
 }

@@ -1,6 +1,7 @@
 // How often files are read: shown by taking them away in between.
 #include "tools/io/input_frames.h"
 
+#include "core/bytes.h"
 #include "core/errors.h"
 #include "tests/tools/scratch.h"
 #include "tests/tools/sequence_files.h"
@@ -37,7 +38,7 @@ TEST_F(InputFramesOf, SeriesThatFitsIsReadOnce) {
 
 TEST_F(InputFramesOf, BeyondTheLimitOnlyTheFirstAndTheLastReadStay) {
   InputFrames all(files);
-  const std::size_t bytes = all[0].position.size() * (sizeof(Vec3) + sizeof(std::int64_t));
+  const std::size_t bytes = bytes_of(all[0].position, all[0].id);
   InputFrames frames(files, 2 * bytes);
   for (int k = 0; k < kFrames; ++k) frames[k];
   take_files_away();
