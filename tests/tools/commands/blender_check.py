@@ -12,25 +12,12 @@ import sys
 import bpy
 import numpy
 
+import expectations
 import vtp_arrays
+from expectations import expect, expect_equal
 
 run = pathlib.Path(sys.argv[1])
 METHOD = "regional"
-checked = 0
-
-
-def expect(condition, what):
-    global checked
-    checked += 1
-    if not condition:
-        sys.exit(f"blender_check: {what}")
-
-
-def expect_equal(found, wanted, what, tolerance):
-    found, wanted = numpy.asarray(found), numpy.asarray(wanted)
-    expect(found.shape == wanted.shape, f"{what}: {found.shape} instead of {wanted.shape}")
-    error = numpy.abs(found.astype(float) - wanted.astype(float)).max(initial=0)
-    expect(error <= tolerance, f"{what} is off by {error}")
 
 
 def values(collection, name, components, kind="f4"):
@@ -160,7 +147,7 @@ def main():
     wanted = vtp_arrays.read(run / f"particles/particles_{frame:04}.vtp")["Points"]
     expect_equal(values(particles.attributes["position"].data, "vector", 3), wanted, "particles", 1e-6)
     check_blur()
-    print(f"Blender {bpy.app.version_string}: {checked} checks: all hold")
+    print(f"Blender {bpy.app.version_string}: {expectations.count} checks: all hold")
 
 
 main()

@@ -9,27 +9,17 @@ import meshio
 import numpy
 import trimesh
 
+import expectations
 import vtp_arrays
+from expectations import expect, expect_equal, fail
 
 surfaces = pathlib.Path(sys.argv[1]) / "surface-regional"
-checked = 0
-
-
-def expect_equal(found, wanted, what, tolerance):
-    global checked
-    checked += 1
-    found, wanted = numpy.asarray(found), numpy.asarray(wanted)
-    if found.shape != wanted.shape:
-        sys.exit(f"meshes_check: {what}: {found.shape} instead of {wanted.shape}")
-    error = numpy.abs(found.astype(float) - wanted.astype(float)).max()
-    if error > tolerance:
-        sys.exit(f"meshes_check: {what} is off by {error}")
 
 
 def expect_seamless(texture, triangles, what):
     """The corners of a triangle are near to each other on the texture: edges here are a few hundredths of it."""
     if not numpy.ptp(texture[triangles], axis=1).max() < 0.3:
-        sys.exit(f"meshes_check: {what}: a triangle spans a seam of the texture")
+        fail(f"{what}: a triangle spans a seam of the texture")
 
 
 def check_ply(stem, surface):
@@ -76,10 +66,11 @@ def main():
     for frame in (0, 2):
         stem = surfaces / f"surface_{frame:04}"
         surface = vtp_arrays.read(f"{stem}.vtp")
+        expect(len(surface["Points"]) > 0, "there is no surface")
         check_ply(stem, surface)
         check_obj(stem, surface)
         check_glb(stem, surface)
-    print(f"{checked} checks: all hold")
+    print(f"{expectations.count} checks: all hold")
 
 
 main()

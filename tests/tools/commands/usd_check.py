@@ -11,24 +11,11 @@ import sys
 import numpy
 from pxr import Gf, Usd, UsdGeom
 
+import expectations
 import vtp_arrays
+from expectations import expect, expect_equal
 
 run, usd = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
-checked = 0
-
-
-def expect(condition, what):
-    global checked
-    checked += 1
-    if not condition:
-        sys.exit(f"usd_check: {what}")
-
-
-def expect_equal(found, wanted, what, tolerance=0.0):
-    found, wanted = numpy.asarray(found), numpy.asarray(wanted)
-    expect(found.shape == wanted.shape, f"{what}: {found.shape} instead of {wanted.shape}")
-    error = numpy.abs(found.astype(float) - wanted.astype(float)).max(initial=0)
-    expect(error <= tolerance, f"{what} is off by {error}")
 
 
 def vtp(series, frame):
@@ -160,7 +147,7 @@ def main():
     flat = usd / "flat.usdc"
     stage.Flatten().Export(str(flat))
     expect_surface(Usd.Stage.Open(str(flat)), methods[0], frames - 1, box)
-    print(f"{checked} checks of {frames} frames, {', '.join(methods)}{', walls move' if moving else ''}: all hold")
+    print(f"{expectations.count} checks of {frames} frames, {', '.join(methods)}{', walls move' if moving else ''}: all hold")
 
 
 main()
