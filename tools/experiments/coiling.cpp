@@ -9,8 +9,8 @@
 
 #include "solver/emitter.h"
 #include "tools/experiments/falling_layers.h"
+#include "tools/experiments/falling_regime.h"
 #include "tools/experiments/slender_thread.h"
-#include "tools/experiments/validation.h"
 #include "tools/io/files.h"
 #include "tools/pictures/plot.h"
 
@@ -21,7 +21,6 @@ namespace {
 // coil grows under the thread, soft as it is. Besides, the thread turns unevenly, by 0.1 turns of 2 to 3.
 constexpr double kFrequencyLimit = 0.15;  // relative
 constexpr double kThreadLimit = 0.1;      // of the thread in the coil, relative
-constexpr double kSpacingLimit = 0.1;     // between the frequencies of two spacings, relative
 
 // What is claimed.
 
@@ -31,26 +30,18 @@ const Claim kFrequency{
     "the place where the thread comes to rest; at the finest spacing."};
 const Claim kThreadRadius{"Ribe 2004", "It is as thick in the coil.",
                           "Relative difference of the radius, from the distances of the layers laid down."};
-const Claim kConverges{"kappaflow", "The frequency does not depend on the spacing.",
-                       "Relative difference between the two finest spacings."};
 
-/// What is balanced against the thread's bending: the liquid of the scene with other numbers.
-struct Regime {
-  const char* name;
-  double viscosity, gravity;    // kinematic [m2/s], [m/s2]
-  double coils_from, duration;  // [s]
-};
 // In the first the frequency goes with the height to the power -0.8, in the second with its power 0.1: those
 // of the theory for viscous and for gravitational coiling are -1 and 0. The first turn and a half, on the
 // bare plate, are wider than the others.
-constexpr std::array kRegimes{Regime{"viscous", 0.1, 1.0, 1.6, 3.4},
-                              Regime{"gravitational", 0.05, 9.81, 1.2, 2.8}};
+constexpr std::array kRegimes{FallingRegime{"viscous", 0.1, 1.0, 1.6, 3.4},
+                              FallingRegime{"gravitational", 0.05, 9.81, 1.2, 2.8}};
 
 struct CoilingResult {
-  const Regime* regime;
+  const FallingRegime* regime;
   double spacing;
   std::size_t particles;
-  std::vector<Vec2> turned;  ///< (t, turns since coils_from)
+  std::vector<Vec2> turned;  ///< (t, turns since the regime's `from`)
   double frequency, height, thread_radius;
   SteadyCoil theory;
 
@@ -99,14 +90,12 @@ class CoilWatch {
   double angle_ = 0, last_ = 0, rest_ = 0, gap_ = 0;
 };
 
-CoilingResult run_coiling(Scene scene, const Regime& regime) {
-  scene.fluid.kinematic_viscosity = regime.viscosity;
-  scene.fluid.gravity = Vec3(0, -regime.gravity, 0);
+CoilingResult run_coiling(const Scene& scene, const FallingRegime& regime) {
   const Emitter& emitter = scene.fluid.emitters.front();
   const double spacing = scene.fluid.spacing;
   const std::size_t layer = emitter_layer(emitter, spacing).size();
   FluidSolver liquid = make_liquid(scene);
-  advance(liquid, regime.coils_from);
+  advance(liquid, regime.from);
   CoilWatch watch(scene, layer);
   advance(liquid, regime.duration, [&](const FluidStep&) { watch.look(liquid); });
   const double section = static_cast<double>(layer) * spacing * spacing;
@@ -123,19 +112,17 @@ CoilingResult run_coiling(Scene scene, const Regime& regime) {
 }
 
 void judge(const std::vector<CoilingResult>& results, Report& report) {
-  std::vector<Check> frequency, radius, convergence;
+  std::vector<Check> frequency, radius;
   for (std::size_t k = 0; k < results.size(); ++k) {
     const CoilingResult& r = results[k];
     const std::string at = fmt::format("{}, spacing {:.3g} m", r.regime->name, r.spacing);
     const bool finest = k + 1 == results.size() || results[k + 1].regime != r.regime;
     if (finest) frequency.push_back(at_most(at, r.frequency_error(), kFrequencyLimit));
     radius.push_back(at_most(at, r.radius_error(), kThreadLimit));
-    if (k > 0 && results[k - 1].regime == r.regime)
-      convergence.push_back(
-          at_most(r.regime->name, std::abs(r.frequency / results[k - 1].frequency - 1), kSpacingLimit));
   }
   report.statements = {judged(kFrequency, frequency), judged(kThreadRadius, radius)};
-  if (!convergence.empty()) report.statements.push_back(judged(kConverges, convergence));
+  if (const auto checks = spacing_checks(results); !checks.empty())
+    report.statements.push_back(judged(kConverges, checks));
 }
 
 std::vector<Plot> turn_plots(const std::vector<CoilingResult>& results) {
@@ -160,20 +147,13 @@ Report validate_coiling(const ExperimentContext& context) {
   const Scene scene = load_scene(context.file);
   const bool quick = context.options.quick;
   const std::vector<double> whole{4.0 / 3, 1.0}, factors = quick ? std::vector{1.6} : whole;
-  std::vector<CoilingResult> results;
+  const auto results = run_regimes(context, scene, kRegimes, factors, run_coiling);
   std::vector<std::vector<double>> rows, turns;
-  for (const Regime& regime : kRegimes) {
-    if (quick && &regime != &kRegimes.back()) continue;
-    for (const double factor : factors) {
-      const Scene refined = with_spacing(scene, factor * scene.fluid.spacing);
-      context.say(fmt::format("{}, spacing {:.3g} m", regime.name, refined.fluid.spacing));
-      results.push_back(run_coiling(refined, regime));
-      const CoilingResult& r = results.back();
-      rows.push_back({regime.viscosity, regime.gravity, r.spacing, static_cast<double>(r.particles), r.height,
-                      r.frequency, r.theory.frequency, r.frequency / r.theory.frequency - 1, r.thread_radius,
-                      r.theory.thread_radius, r.theory.radius});
-      for (const Vec2& p : r.turned) turns.push_back({regime.viscosity, r.spacing, p.x(), p.y()});
-    }
+  for (const CoilingResult& r : results) {
+    rows.push_back({r.regime->viscosity, r.regime->gravity, r.spacing, static_cast<double>(r.particles),
+                    r.height, r.frequency, r.theory.frequency, r.frequency / r.theory.frequency - 1,
+                    r.thread_radius, r.theory.thread_radius, r.theory.radius});
+    for (const Vec2& p : r.turned) turns.push_back({r.regime->viscosity, r.spacing, p.x(), p.y()});
   }
   write_file(context.folder / "turns.csv", csv_text("viscosity,spacing,time,turns", turns));
   write_file(context.folder / "summary.csv",

@@ -8,8 +8,8 @@
 
 #include "solver/emitter.h"
 #include "tools/experiments/falling_layers.h"
+#include "tools/experiments/falling_regime.h"
 #include "tools/experiments/slender_strip.h"
-#include "tools/experiments/validation.h"
 #include "tools/io/files.h"
 #include "tools/pictures/plot.h"
 
@@ -19,7 +19,6 @@ namespace {
 // The theory is that of a strip whose thickness is small against the height; here it is a tenth, and a layer
 // of folds lies on the one before. Both change the frequency by a thickness over the height or so.
 constexpr double kFrequencyLimit = 0.15;  // relative
-constexpr double kSpacingLimit = 0.1;     // between the frequencies of two spacings, relative
 constexpr double kPlaneLimit = 0.3;       // of the motion across the plane, over that in it
 
 // What is claimed.
@@ -27,21 +26,13 @@ constexpr double kPlaneLimit = 0.3;       // of the motion across the plane, ove
 const Claim kFrequency{"Ribe 2003", "A strip folds as often as a slender strip does.",
                        "Relative difference of the mean angular frequency, for the mean height of the mouth "
                        "above the place where the strip comes to rest."};
-const Claim kConverges{"kappaflow", "The frequency does not depend on the spacing.",
-                       "Relative difference between the two finest spacings."};
 const Claim kPlane{"kappaflow", "It folds to and fro and does not coil.",
                    "Root mean square of its place a third of the way down, across its plane over in it."};
 
-/// What is balanced against the strip's bending: the liquid of the scene with other numbers.
-struct Regime {
-  const char* name;
-  double viscosity, gravity;    // kinematic [m2/s], [m/s2]
-  double folds_from, duration;  // [s]
-};
 // In the first the theory's frequency is 4.7 speeds over the height; without gravity it is 4.4 to 5.0,
 // whatever viscosity and thickness are. In the second it depends on the height no more.
-constexpr std::array kRegimes{Regime{"viscous", 0.1, 1.0, 1.0, 2.7},
-                              Regime{"gravitational", 0.05, 9.81, 0.7, 2.1}};
+constexpr std::array kRegimes{FallingRegime{"viscous", 0.1, 1.0, 1.0, 2.7},
+                              FallingRegime{"gravitational", 0.05, 9.81, 0.7, 2.1}};
 
 /// Follows a strip: where it is a third of the way down, and where it comes to rest.
 class FoldWatch {
@@ -91,7 +82,7 @@ class FoldWatch {
 };
 
 struct FoldingResult {
-  const Regime* regime;
+  const FallingRegime* regime;
   double spacing;
   std::size_t particles;
   std::vector<Vec2> sway;
@@ -101,7 +92,7 @@ struct FoldingResult {
 };
 
 /// The theory for the particles that fit into the mouth.
-double theory_of(const Regime& regime, const Emitter& emitter, double spacing, double height) {
+double theory_of(const FallingRegime& regime, const Emitter& emitter, double spacing, double height) {
   const auto& mouth = std::get<RectangleMouth>(emitter.mouth);
   const std::size_t layer = emitter_layer(emitter, spacing).size();
   const double thickness = std::floor(mouth.height / spacing + 0.5) * spacing;
@@ -109,13 +100,11 @@ double theory_of(const Regime& regime, const Emitter& emitter, double spacing, d
   return folding_frequency({regime.viscosity, regime.gravity, emitter.speed, thickness, width, height});
 }
 
-FoldingResult run_folding(Scene scene, const Regime& regime) {
-  scene.fluid.kinematic_viscosity = regime.viscosity;
-  scene.fluid.gravity = Vec3(0, -regime.gravity, 0);
+FoldingResult run_folding(const Scene& scene, const FallingRegime& regime) {
   const Emitter& emitter = scene.fluid.emitters.front();
   const double spacing = scene.fluid.spacing;
   FluidSolver liquid = make_liquid(scene);
-  advance(liquid, regime.folds_from);
+  advance(liquid, regime.from);
   FoldWatch watch(emitter, emitter_layer(emitter, spacing).size());
   advance(liquid, regime.duration, [&](const FluidStep&) { watch.look(liquid); });
   return {&regime,
@@ -129,18 +118,16 @@ FoldingResult run_folding(Scene scene, const Regime& regime) {
 }
 
 void judge(const std::vector<FoldingResult>& results, Report& report) {
-  std::vector<Check> frequency, convergence, plane;
+  std::vector<Check> frequency, plane;
   for (std::size_t k = 0; k < results.size(); ++k) {
     const FoldingResult& r = results[k];
     const std::string at = fmt::format("{}, spacing {:.3g} m", r.regime->name, r.spacing);
     frequency.push_back(at_most(at, std::abs(r.error()), kFrequencyLimit));
     plane.push_back(at_most(at, r.out_of_plane, kPlaneLimit));
-    if (k > 0 && results[k - 1].regime == r.regime)
-      convergence.push_back(
-          at_most(r.regime->name, std::abs(r.frequency / results[k - 1].frequency - 1), kSpacingLimit));
   }
   report.statements = {judged(kFrequency, frequency), judged(kPlane, plane)};
-  if (!convergence.empty()) report.statements.push_back(judged(kConverges, convergence));
+  if (const auto checks = spacing_checks(results); !checks.empty())
+    report.statements.push_back(judged(kConverges, checks));
 }
 
 std::vector<Plot> sway_plots(const std::vector<FoldingResult>& results) {
@@ -159,19 +146,12 @@ Report validate_folding(const ExperimentContext& context) {
   const Scene scene = load_scene(context.file);
   const bool quick = context.options.quick;
   const std::vector<double> whole{4.0 / 3, 1.0}, factors = quick ? std::vector{4.0 / 3} : whole;
-  std::vector<FoldingResult> results;
+  const auto results = run_regimes(context, scene, kRegimes, factors, run_folding);
   std::vector<std::vector<double>> rows, sway;
-  for (const Regime& regime : kRegimes) {
-    if (quick && &regime != &kRegimes.back()) continue;
-    for (const double factor : factors) {
-      const Scene refined = with_spacing(scene, factor * scene.fluid.spacing);
-      context.say(fmt::format("{}, spacing {:.3g} m", regime.name, refined.fluid.spacing));
-      results.push_back(run_folding(refined, regime));
-      const FoldingResult& r = results.back();
-      rows.push_back({regime.viscosity, regime.gravity, r.spacing, static_cast<double>(r.particles), r.height,
-                      r.frequency, r.theory, r.error(), r.out_of_plane});
-      for (const Vec2& p : r.sway) sway.push_back({regime.viscosity, r.spacing, p.x(), p.y()});
-    }
+  for (const FoldingResult& r : results) {
+    rows.push_back({r.regime->viscosity, r.regime->gravity, r.spacing, static_cast<double>(r.particles),
+                    r.height, r.frequency, r.theory, r.error(), r.out_of_plane});
+    for (const Vec2& p : r.sway) sway.push_back({r.regime->viscosity, r.spacing, p.x(), p.y()});
   }
   write_file(context.folder / "sway.csv", csv_text("viscosity,spacing,time,x", sway));
   write_file(context.folder / "summary.csv",
