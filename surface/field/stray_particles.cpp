@@ -1,19 +1,13 @@
 #include "surface/field/stray_particles.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdint>
-#include <tuple>
 #include <utility>
 
 #include "core/cell_grid.h"
-#include "core/whole_within.h"
+#include "core/space_cell.h"
 
 namespace kappaflow {
 namespace {
-
-using Cell = std::array<std::int64_t, 3>;
 
 /// Cells whose size is the largest distance at which particles share a place in reach, with the weight in
 /// each.
@@ -22,7 +16,7 @@ class CellWeights {
   CellWeights(const FieldParticles& particles, double size) : size_(size) {
     cells_.reserve(particles.position.size());
     for (std::size_t i = 0; i < particles.position.size(); ++i)
-      cells_.emplace_back(cell_of(particles.position[i]), std::max(particles.weight[i], 0.0));
+      cells_.emplace_back(space_cell(particles.position[i], size), std::max(particles.weight[i], 0.0));
     std::ranges::sort(cells_);
     std::size_t last = 0;
     for (std::size_t c = 1; c < cells_.size(); ++c)
@@ -35,27 +29,20 @@ class CellWeights {
 
   /// Of x's cell and those around it.
   double around(const Vec3& x) const {
-    const Cell at = cell_of(x);
+    const SpaceCell at = space_cell(x, size_);
     double sum = 0;
     for (int n = 0; n < 9; ++n) {
-      const Cell first{at[0] + n / 3 - 1, at[1] + n % 3 - 1, at[2] - 1};
+      const SpaceCell first{at[0] + n / 3 - 1, at[1] + n % 3 - 1, at[2] - 1};
       for (auto cell = std::ranges::lower_bound(cells_, first, {}, [](const auto& c) { return c.first; });
-           cell != cells_.end() && cell->first <= Cell{first[0], first[1], first[2] + 2}; ++cell)
+           cell != cells_.end() && cell->first <= SpaceCell{first[0], first[1], first[2] + 2}; ++cell)
         sum += cell->second;
     }
     return sum;
   }
 
  private:
-  Cell cell_of(const Vec3& x) const {
-    constexpr std::int64_t kFarthest = std::int64_t{1} << 52;  // double tells cells up to there apart
-    const Vec3 cell = (x / size_).array().floor();
-    return {whole_within(cell[0], -kFarthest, kFarthest), whole_within(cell[1], -kFarthest, kFarthest),
-            whole_within(cell[2], -kFarthest, kFarthest)};
-  }
-
   double size_;
-  std::vector<std::pair<Cell, double>> cells_;  // ascending
+  std::vector<std::pair<SpaceCell, double>> cells_;  // ascending
 };
 
 bool are_far_apart(const FieldParticles& particles, double sigma) {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/whole_within.h"
+#include "core/space_cell.h"
 #include "surface/mesh/triangle_mesh.h"
 
 namespace kappaflow {
@@ -19,8 +19,8 @@ class TriangleBins {
     for (const int t : triangles) {
       const auto& [a, b, c] = mesh.triangles[t];
       const Vec3 &x = mesh.position[a], &y = mesh.position[b], &z = mesh.position[c];
-      const Cell first = cell(x.cwiseMin(y).cwiseMin(z).array() - reach),
-                 last = cell(x.cwiseMax(y).cwiseMax(z).array() + reach);
+      const SpaceCell first = space_cell(x.cwiseMin(y).cwiseMin(z).array() - reach, size_),
+                      last = space_cell(x.cwiseMax(y).cwiseMax(z).array() + reach, size_);
       for (std::int64_t k = first[2]; k <= last[2]; ++k)
         for (std::int64_t j = first[1]; j <= last[1]; ++j)
           for (std::int64_t i = first[0]; i <= last[0]; ++i) entries_.emplace_back(key({i, j, k}), t);
@@ -31,7 +31,7 @@ class TriangleBins {
   /// Whether `test` holds for a triangle of x's cell.
   template <class Test>
   bool any_near(const Vec3& x, const Test& test) const {
-    const std::uint64_t at = key(cell(x));
+    const std::uint64_t at = key(space_cell(x, size_));
     auto entry = std::ranges::lower_bound(entries_, std::pair(at, -1));
     for (; entry != entries_.end() && entry->first == at; ++entry)
       if (test(entry->second)) return true;
@@ -39,15 +39,8 @@ class TriangleBins {
   }
 
  private:
-  using Cell = std::array<std::int64_t, 3>;  // far from the origin more than an int counts
-  Cell cell(const Vec3& x) const {
-    constexpr std::int64_t kFarthest = std::int64_t{1} << 52;  // double tells cells up to there apart
-    const Vec3 c = (x / size_).array().floor();
-    const auto index = [&](int a) { return whole_within(c[a], -kFarthest, kFarthest); };
-    return {index(0), index(1), index(2)};
-  }
   /// 21 bits an axis; cells that share a key cost time only.
-  static std::uint64_t key(const Cell& c) {
+  static std::uint64_t key(const SpaceCell& c) {
     constexpr std::uint64_t kMask = (1u << 21) - 1;
     return (static_cast<std::uint64_t>(c[0]) & kMask) << 42 |
            (static_cast<std::uint64_t>(c[1]) & kMask) << 21 | (static_cast<std::uint64_t>(c[2]) & kMask);
