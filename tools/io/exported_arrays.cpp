@@ -1,6 +1,5 @@
 #include "tools/io/exported_arrays.h"
 
-#include <vtkCellArray.h>
 #include <vtkCellData.h>
 #include <vtkDataArray.h>
 #include <vtkIntArray.h>
@@ -11,6 +10,8 @@
 #include <cmath>
 #include <string_view>
 #include <utility>
+
+#include "tools/io/surface_file.h"
 
 namespace kappaflow {
 namespace {
@@ -50,19 +51,6 @@ std::vector<Rgb> colours_in(const PointArray& array) {
   return colours;
 }
 
-std::vector<Triangle> triangles_in(vtkPolyData& surface) {
-  std::vector<Triangle> triangles;
-  vtkCellArray& cells = *surface.GetPolys();
-  vtkIdType corners = 0;
-  const vtkIdType* corner = nullptr;
-  for (vtkIdType t = 0; t < cells.GetNumberOfCells(); ++t) {
-    cells.GetCellAtId(t, corners, corner);
-    triangles.push_back(
-        {static_cast<int>(corner[0]), static_cast<int>(corner[1]), static_cast<int>(corner[2])});
-  }
-  return triangles;
-}
-
 }  // namespace
 
 PointData exported_points(vtkPolyData& data) {
@@ -76,7 +64,7 @@ PointData exported_points(vtkPolyData& data) {
 ExportedSurface exported_surface(vtkPolyData& surface, const TextureMap& map) {
   PointData points = exported_points(surface);
   ExportedSurface exported;
-  exported.triangles = triangles_in(surface);
+  exported.triangles = triangles_of(surface);
   exported.normal.resize(points.position.size(), Vec3::Zero());
   exported.colour.resize(points.position.size(), Rgb{200, 200, 200});
   exported.rest = points.position;
@@ -97,7 +85,7 @@ ExportedSurface exported_surface(vtkPolyData& surface, const TextureMap& map) {
 std::vector<TriangleSurface> exported_walls(vtkPolyData& boundary) {
   std::vector<TriangleSurface> walls;
   std::vector<int> number(static_cast<std::size_t>(boundary.GetNumberOfPoints()), -1);  // in its wall
-  const std::vector<Triangle> triangles = triangles_in(boundary);
+  const std::vector<Triangle> triangles = triangles_of(boundary);
   vtkDataArray* const wall = boundary.GetCellData()->GetArray("wall");
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     const double w = wall == nullptr ? 0 : wall->GetComponent(static_cast<vtkIdType>(t), 0);

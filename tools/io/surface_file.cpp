@@ -1,6 +1,7 @@
 #include "tools/io/surface_file.h"
 
 #include <fmt/format.h>
+#include <vtkCellArray.h>
 #include <vtkCellData.h>
 #include <vtkDoubleArray.h>
 #include <vtkFieldData.h>
@@ -69,6 +70,20 @@ vtkSmartPointer<vtkPolyData> read_surface(const std::filesystem::path& path) {
   } catch (const InvalidInput& error) {
     throw IoError(path.string(), fmt::format("is damaged or not complete ({})", error.what()));
   }
+}
+
+std::vector<Triangle> triangles_of(vtkPolyData& surface) {
+  std::vector<Triangle> triangles;
+  vtkCellArray& cells = *surface.GetPolys();
+  triangles.reserve(static_cast<std::size_t>(cells.GetNumberOfCells()));
+  vtkIdType corners = 0;
+  const vtkIdType* corner = nullptr;
+  for (vtkIdType t = 0; t < cells.GetNumberOfCells(); ++t) {
+    cells.GetCellAtId(t, corners, corner);
+    triangles.push_back(
+        {static_cast<int>(corner[0]), static_cast<int>(corner[1]), static_cast<int>(corner[2])});
+  }
+  return triangles;
 }
 
 }  // namespace kappaflow

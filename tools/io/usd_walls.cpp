@@ -7,6 +7,7 @@
 #include <array>
 #include <numeric>
 
+#include "core/triangle_geometry.h"
 #include "surface/measure/texture.h"
 
 namespace kappaflow {
@@ -42,9 +43,10 @@ Eigen::Quaternionf rotation_to(const UsdWall& wall, std::span<const Vec3> now, c
 /// Of the faces, so that edges are sharp whatever a program makes of a mesh without normals.
 std::vector<Vec3> face_normals(const TriangleSurface& surface) {
   std::vector<Vec3> normals;
+  normals.reserve(surface.triangles.size());
   for (const Triangle& t : surface.triangles) {
     const Vec3 &a = surface.vertices[t[0]], &b = surface.vertices[t[1]], &c = surface.vertices[t[2]];
-    normals.push_back((b - a).cross(c - a).normalized());
+    normals.push_back(twice_area_vector(a, b, c).normalized());
   }
   return normals;
 }

@@ -11,7 +11,7 @@
 
 #include "core/connectivity.h"
 #include "core/triangle_geometry.h"
-#include "tools/pictures/surface_arrays.h"
+#include "tools/io/surface_file.h"
 
 namespace kappaflow {
 namespace {

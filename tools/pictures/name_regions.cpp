@@ -10,7 +10,7 @@
 
 #include <initializer_list>
 
-#include "tools/pictures/surface_arrays.h"
+#include "tools/io/surface_file.h"
 
 namespace kappaflow {
 namespace {

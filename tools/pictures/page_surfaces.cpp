@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "core/quantile.h"
+#include "tools/io/surface_file.h"
 #include "tools/pictures/surface_arrays.h"
 #include "tools/runs/frame_rate.h"
 #include "tools/runs/progress.h"

@@ -5,8 +5,6 @@
 #include <vtkFieldData.h>
 #include <vtkPolyData.h>
 
-#include <vector>
-
 #include "surface/measure/texture.h"
 
 namespace kappaflow {
@@ -16,8 +14,5 @@ vtkDataArray& array_in(vtkFieldData& arrays, const char* name, int components, v
 
 /// Where the surface's checker has its cubes. Throws InvalidInput where the file does not say.
 Checker checker_of(vtkPolyData& surface);
-
-/// Precondition: all cells are triangles, as read_surface() makes them.
-std::vector<Triangle> triangles_of(vtkPolyData& surface);
 
 }  // namespace kappaflow

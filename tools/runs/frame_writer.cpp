@@ -27,6 +27,7 @@ std::vector<Vec3> field_normals(const Field& field, std::span<const Vec3> positi
 ExportSettings export_settings(const FrameSource& source, const OutputDescription& output,
                                const std::vector<std::string>& methods,
                                const std::vector<MeshFormat>& formats) {
+  if (formats.empty()) return {};
   const TriangleMesh& mesh = source.surfaces().mesh();
   ExportSettings settings{.formats = formats,
                           .methods = methods,
