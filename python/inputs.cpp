@@ -24,8 +24,7 @@ Particles particles(double time, const IdsIn& id, const VectorsIn& position, con
 }
 
 WeightRule weight_rule(const std::string& name) {
-  if (name == "uniform") return WeightRule::uniform;
-  if (name == "normalised") return WeightRule::normalised;
+  if (const std::optional<WeightRule> rule = value_of(kWeightRules, name)) return *rule;
   throw InvalidInput(fmt::format("weights: '{}'; allowed are uniform, normalised", name));
 }
 

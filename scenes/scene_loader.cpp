@@ -298,15 +298,13 @@ void read_tracker(TomlTable& t, TrackerOptions& tracker) {
 }
 
 void read_surface(TomlTable t, SurfaceDescription& surface) {
-  static constexpr Named<WeightRule> kWeights[] = {{"uniform", WeightRule::uniform},
-                                                   {"normalised", WeightRule::normalised}};
   std::vector<std::string_view> methods;
   for (const VelocityMethod& method : velocity_methods()) methods.push_back(method.name);
 
   // Below 1.2 spacings neighbouring particles hardly overlap; above 6 each point has a thousand of them in
   // reach.
   surface.sigma = t.number("sigma", {1.2, 6, false, "spacings"}, surface.sigma);
-  surface.weights = t.choice("weights", kWeights, std::optional(surface.weights));
+  surface.weights = t.choice("weights", kWeightRules, std::optional(surface.weights));
   surface.threshold = t.number_or("auto", "threshold", positive("", 100), surface.threshold);
   surface.edge_length =
       t.number("edge_length", {kFinestEdge, kCoarsestEdge, false, "sigma"}, surface.edge_length);

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "core/named.h"
 #include "core/types.h"
 
 namespace kappaflow {
@@ -13,6 +14,10 @@ enum class WeightRule {
   uniform,     ///< w_i = 1
   normalised,  ///< w_i = 1 / sum_j (1 - r_ij^2)^3, self included: about 1 inside, and 1 for a lone particle
 };
+
+/// As scenes and the command line have them.
+inline constexpr Named<WeightRule> kWeightRules[] = {{"uniform", WeightRule::uniform},
+                                                     {"normalised", WeightRule::normalised}};
 
 /// Weights by `rule` for particles at `position` with support radii scale_i sigma [m]; scale:
 /// Particles::scale, here and below.

@@ -95,9 +95,7 @@ void add_track(CLI::App& app, CommandLine& line) {
   track
       ->add_option_function<std::string>(
           "--weights",
-          [&line](const std::string& name) {
-            line.track.weights = name == "uniform" ? WeightRule::uniform : WeightRule::normalised;
-          },
+          [&line](const std::string& name) { line.track.weights = *value_of(kWeightRules, name); },
           "Weights of the particles: uniform, or normalised, which keeps lone drops (default: uniform)")
       ->type_name("NAME")
       ->check(one_of({"uniform", "normalised"}));

@@ -10,17 +10,15 @@
 
 #include "core/errors.h"
 #include "core/nearest_points.h"
-#include "tools/io/input_frame.h"
+#include "tools/runs/run_folder.h"
 
 namespace kappaflow {
 namespace {
 
-InputFrame particles_with_ids(const RunFrames& frames, int frame) {
-  InputFrame particles = frames.particles(frame);
-  if (particles.id.empty())
-    throw InvalidInput(fmt::format("{} does not say which particle is which, so nobody knows when each came",
-                                   frames.folder().string()));
-  return particles;
+std::vector<std::filesystem::path> particle_files(const RunFrames& frames, int last) {
+  std::vector<std::filesystem::path> files;
+  for (int frame = 0; frame <= last; ++frame) files.push_back(frames.folder() / particle_file(frame));
+  return files;
 }
 
 }  // namespace
@@ -33,13 +31,14 @@ bool is_fed(const RunFrames& frames) {
   return !std::ranges::includes(first, last);
 }
 
-EmissionTimes::EmissionTimes(const RunFrames& frames, int last) : frames_(frames) {
+EmissionTimes::EmissionTimes(const RunFrames& frames, int last)
+    : folder_(frames.folder()), frames_(particle_files(frames, last), 0) {
   double before = 0;
   for (int frame = 0; frame <= last; ++frame) {
-    const InputFrame particles = particles_with_ids(frames, frame);
-    const double now = particles.time.value_or(frame);
+    const InputFrame& here = particles(frame);
+    const double now = here.time.value_or(frame);
     std::vector<std::int64_t> come;
-    for (const std::int64_t id : particles.id)
+    for (const std::int64_t id : here.id)
       if (!time_.contains(id)) come.push_back(id);
     std::ranges::sort(come);
     if (frame == 0) before = now;
@@ -50,14 +49,22 @@ EmissionTimes::EmissionTimes(const RunFrames& frames, int last) : frames_(frames
   }
 }
 
+const InputFrame& EmissionTimes::particles(int frame) const {
+  const InputFrame& found = frames_[static_cast<std::size_t>(frame)];
+  if (found.id.empty())
+    throw InvalidInput(fmt::format("{} does not say which particle is which, so nobody knows when each came",
+                                   folder_.string()));
+  return found;
+}
+
 void EmissionTimes::add_to(vtkPolyData& surface, int frame) const {
-  const InputFrame particles = particles_with_ids(frames_, frame);
+  const InputFrame& here = particles(frame);
   std::vector<Vec3> places;
   for (vtkIdType v = 0; v < surface.GetNumberOfPoints(); ++v) places.emplace_back(surface.GetPoint(v));
   vtkNew<vtkFloatArray> times;
   times->SetName(kEmissionTimeArray);
-  for (const std::uint32_t nearest : nearest_points(particles.position, places))
-    times->InsertNextValue(static_cast<float>(time_.at(particles.id[nearest])));
+  for (const std::uint32_t nearest : nearest_points(here.position, places))
+    times->InsertNextValue(static_cast<float>(time_.at(here.id[nearest])));
   surface.GetPointData()->AddArray(times);
 }
 

@@ -4,8 +4,10 @@
 #include <vtkPolyData.h>
 
 #include <cstdint>
+#include <filesystem>
 #include <unordered_map>
 
+#include "tools/io/input_frames.h"
 #include "tools/pictures/run_frames.h"
 
 namespace kappaflow {
@@ -26,7 +28,10 @@ class EmissionTimes {
   void add_to(vtkPolyData& surface, int frame) const;
 
  private:
-  const RunFrames& frames_;
+  const InputFrame& particles(int frame) const;
+
+  std::filesystem::path folder_;
+  mutable InputFrames frames_;                     // surfaces of one frame ask for it one after the other
   std::unordered_map<std::int64_t, double> time_;  // [s] of a particle's id
 };
 
