@@ -17,6 +17,7 @@
 #include "tools/io/files.h"
 #include "tools/io/surface_file.h"
 #include "tools/pictures/embedded_files.h"
+#include "tools/pictures/html_text.h"
 #include "tools/pictures/page_surfaces.h"
 #include "tools/runs/metrics.h"
 #include "tools/runs/progress.h"
@@ -246,12 +247,6 @@ Json::Value header_json(const RunFrames& frames, const PageRanges& ranges) {
   json["colours"] = colours_json(ranges.colours);
   json["metrics"] = metrics_json(frames);
   return json;
-}
-
-std::string html_text(std::string_view text) {
-  std::string result;
-  for (const char c : text) c == '<' ? result += "&lt;" : c == '&' ? result += "&amp;" : result += c;
-  return result;
 }
 
 /// The template with what belongs in the places of its {{names}}.

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <memory>
 
+#include "tools/pictures/html_text.h"
 #include "tools/pictures/report_formats.h"
 #include "tools/pictures/report_parts.h"
 #include "tools/pictures/report_style.h"
@@ -24,17 +25,6 @@ std::string inline_html(const std::string& markdown) {
   const std::string_view before = "<p>", after = "</p>\n";
   if (!html.starts_with(before) || !html.ends_with(after)) return html;
   return html.substr(before.size(), html.size() - before.size() - after.size());
-}
-
-std::string escaped(const std::string& text) {
-  std::string result;
-  for (const char c : text)
-    result += c == '&'   ? "&amp;"
-              : c == '<' ? "&lt;"
-              : c == '>' ? "&gt;"
-              : c == '"' ? "&quot;"
-                         : std::string(1, c);
-  return result;
 }
 
 std::string html_link(const std::string& to, const std::string& text) {
@@ -109,11 +99,11 @@ std::string contents_html(const std::vector<Report>& reports) {
 std::string head_html(const ReportHead& head, const std::vector<Report>& reports) {
   const std::vector<const Statement*> all = statements_of(reports);
   const std::string quick = quick_text(reports);
-  return fmt::format("<header>\n<h1>{}</h1>\n<p class=\"tally\">{}.</p>\n{}{}", escaped(head.title),
+  return fmt::format("<header>\n<h1>{}</h1>\n<p class=\"tally\">{}.</p>\n{}{}", html_text(head.title),
                      tally(all), tally_bar(all),
                      quick.empty() ? "" : fmt::format("<div class=\"quick\">{}</div>\n", paragraphs(quick))) +
-         fmt::format("<p class=\"aside\">{}, {}: <code>{}</code></p>\n</header>\n", escaped(head.program),
-                     escaped(head.date), escaped(head.command)) +
+         fmt::format("<p class=\"aside\">{}, {}: <code>{}</code></p>\n</header>\n", html_text(head.program),
+                     html_text(head.date), html_text(head.command)) +
          contents_html(reports);
 }
 
@@ -161,7 +151,7 @@ std::string figure_html(const Figure& figure) {
   return fmt::format("<figure>{}<figcaption>{}{}</figcaption></figure>\n",
                      html_link(figure.file, fmt::format("<img class=\"{}\" src=\"{}\" alt=\"{}\">", style,
                                                         plot ? in_format(figure, "svg") : figure.file,
-                                                        escaped(figure.caption))),
+                                                        html_text(figure.caption))),
                      inline_html(figure.caption), formats);
 }
 
@@ -188,7 +178,7 @@ std::string report_html(const ReportHead& head, const std::vector<Report>& repor
       "<meta name=\"viewport\" "
       "content=\"width=device-width\">\n<title>{}</title>\n<style>\n{}</style></head>\n"
       "<body>\n{}{}",
-      escaped(head.title), kReportStyle, head_html(head, reports), statements_html(reports));
+      html_text(head.title), kReportStyle, head_html(head, reports), statements_html(reports));
   for (const Report& report : reports) text += chapter_html(report);
   return text + "</body></html>\n";
 }
