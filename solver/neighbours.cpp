@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "core/parallel.h"
+#include "solver/lanes.h"
 
 namespace kappaflow {
 
@@ -139,7 +140,7 @@ void NeighbourSearch::evaluate(std::size_t i, FluidParticles& particles, std::sp
     sum_z += factor * (xi[2] - xj.z);
   }
   particles.density[i] = volume_ * (kernel_.value(0) + density.sum());
-  particles.gradient_sum[i] = {sum_x.sum(), sum_y.sum(), sum_z.sum(), 0};
+  particles.gradient_sum[i] = sums(sum_x, sum_y, sum_z);
   particles.gradient_square_sum[i] = square_sum.sum();
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/parallel.h"
+#include "solver/lanes.h"
 
 namespace kappaflow {
 namespace {
@@ -118,7 +119,7 @@ Vec4f pressure_acceleration(std::size_t i, const FluidParticles& particles, cons
     sum_y += scale * (xi[1] - xj.y);
     sum_z += scale * (xi[2] - xj.z);
   }
-  return -(xi[3] * particles.gradient_sum[i] + Vec4f(sum_x.sum(), sum_y.sum(), sum_z.sum(), 0));
+  return -(xi[3] * particles.gradient_sum[i] + sums(sum_x, sum_y, sum_z));
 }
 
 void PressureSolver::apply_last(FluidParticles& particles, const NeighbourLists& lists, float time_step) {

@@ -2,6 +2,8 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <numeric>
 
 #include "core/parallel.h"
 
@@ -11,9 +13,9 @@ namespace {
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-constexpr std::size_t kBalanceGrain = 4;  // cells that a task works on
 // Of a particle [spacing^2], so that one alone, or a line of them, has an inverse; too small to matter.
 constexpr double kLeastInertia = 1e-9;
+constexpr std::size_t kBalanceGrain = 4;  // cells that a task works on
 
 /// B of a particle.
 Eigen::Matrix<double, 3, 6> rigid_velocities(const Vec3& arm) {
@@ -24,31 +26,54 @@ Eigen::Matrix<double, 3, 6> rigid_velocities(const Vec3& arm) {
   return result;
 }
 
-/// The balance K q = missing of a cell or a component about a point.
-struct Balance {
-  Matrix6 matrix = Matrix6::Zero();
-  Vector6 missing = Vector6::Zero();
-
-  /// Adds a resistance m (v - v_0) of which `missing` is what is left of it.
-  void add(const Eigen::Matrix3d& m, const Vec3& left, const Vec3& arm) {
-    const auto b = rigid_velocities(arm);
-    matrix += b.transpose() * m * b;
-    missing += b.transpose() * left;
-  }
-  /// Adds another about the point at `arm`.
-  void add(const Balance& other, const Vec3& arm) {
-    Matrix6 shift = Matrix6::Identity();
-    shift.topRows<3>() = rigid_velocities(arm);
-    matrix += shift.transpose() * other.matrix * shift;
-    missing += shift.transpose() * other.missing;
-  }
-};
-
 Vec3 in_double(const Vec4f& v) {
   return v.head<3>().cast<double>();
 }
 
-}  // namespace
+/// The balance K q = missing about a point.
+struct Balance {
+  // Of the particles' inertia: their number, the sum of their arms, and of arm arm^T.
+  double count = 0;
+  Vec3 moment = Vec3::Zero();
+  Mat3 second = Mat3::Zero();
+  Matrix6 resistance = Matrix6::Zero();  // of what is not liquid
+  Vector6 missing = Vector6::Zero();
+
+  friend Balance operator+(Balance a, const Balance& b) {
+    a.count += b.count;
+    a.moment += b.moment;
+    a.second += b.second;
+    a.resistance += b.resistance;
+    a.missing += b.missing;
+    return a;
+  }
+
+  /// Adds a particle's inertia, of which `left` is what is left of it.
+  void add_inertia(const Vec3& left, const Vec3& arm) {
+    count += 1;
+    moment += arm;
+    second += arm * arm.transpose();
+    missing.head<3>() += left;
+    missing.tail<3>() += arm.cross(left);
+  }
+  /// Adds a resistance m (v - v_0) of which `left` is what is left of it.
+  void add_resistance(const Mat3& m, const Vec3& left, const Vec3& arm) {
+    const auto b = rigid_velocities(arm);
+    resistance += b.transpose() * m * b;
+    missing += b.transpose() * left;
+  }
+
+  /// q, each particle having this moment of inertia of its own.
+  Vector6 solve(double inertia) const {
+    Matrix6 matrix = resistance;
+    const Mat3 turning = second.trace() * Mat3::Identity() - second;
+    matrix.topLeftCorner<3, 3>() += count * Mat3::Identity();
+    matrix.topRightCorner<3, 3>() += rigid_velocities(moment).rightCols<3>();
+    matrix.bottomLeftCorner<3, 3>() += rigid_velocities(moment).rightCols<3>().transpose();
+    matrix.bottomRightCorner<3, 3>() += turning + count * inertia * Mat3::Identity();
+    return matrix.ldlt().solve(missing);
+  }
+};
 
 /// Of one particle, by itself: its inertia, its walls, and the particles beside it that are led.
 class ParticleBalance {
@@ -58,29 +83,28 @@ class ParticleBalance {
       : forces_(forces), particles_(particles), lists_(lists), walls_(walls), time_step_(time_step), v_(v) {}
 
   void add_to(Balance& balance, std::size_t i, const Vec3& arm) const {
-    Eigen::Matrix3d m = Eigen::Matrix3d::Identity();
-    Vec3 left = in_double(particles_.velocity[i]) - in_double(v_[i]);
-    if (walls_.touches(i)) {
-      for (int c = 0; c < 3; ++c)
-        m.col(c) += in_double(time_step_ * forces_.wall_drag(i, particles_, walls_, Vec4f::Unit(c)));
-      const Vec4f drag =
-          forces_.wall_drive(i, particles_, walls_) - forces_.wall_drag(i, particles_, walls_, v_[i]);
-      left += in_double(time_step_ * drag);
-    }
-    balance.add(m, left, arm);
+    balance.add_inertia(in_double(particles_.velocity[i]) - in_double(v_[i]), arm);
+    if (!walls_.touches(i)) return;
+    Mat3 m;
+    for (int c = 0; c < 3; ++c)
+      m.col(c) = in_double(time_step_ * forces_.wall_drag(i, particles_, walls_, Vec4f::Unit(c)));
+    const Vec4f drag =
+        forces_.wall_drive(i, particles_, walls_) - forces_.wall_drag(i, particles_, walls_, v_[i]);
+    balance.add_resistance(m, in_double(time_step_ * drag), arm);
   }
 
   void add_led(Balance& balance, std::size_t i, const Vec3& arm) const {
-    forces_.for_pairs(i, particles_, lists_, [&](const PairBlock& block, const WideVec& x, const Wide& w) {
-      for (int k = 0; k < kWide; ++k) {
-        const std::size_t j = block.base + block.offset[static_cast<std::size_t>(k)];
-        if (!(w[k] > 0) || particles_.led_by[j] == 0) continue;
-        const Vec3 line(static_cast<double>(x.x[k]), static_cast<double>(x.y[k]),
-                        static_cast<double>(x.z[k]));
-        const Eigen::Matrix3d m = static_cast<double>(time_step_ * w[k]) * line * line.transpose();
-        balance.add(m, m * (in_double(v_[j]) - in_double(v_[i])), arm);
-      }
-    });
+    forces_.for_pairs(i, particles_, lists_,
+                      [&](const PairBlock& block, const WideVec& x, const Wide& w, const WideVec&) {
+                        for (int k = 0; k < kWide; ++k) {
+                          const std::size_t j = block.base + block.offset[static_cast<std::size_t>(k)];
+                          if (!(w[k] > 0) || particles_.led_by[j] == 0) continue;
+                          const Vec3 line(static_cast<double>(x.x[k]), static_cast<double>(x.y[k]),
+                                          static_cast<double>(x.z[k]));
+                          const Mat3 m = static_cast<double>(time_step_ * w[k]) * line * line.transpose();
+                          balance.add_resistance(m, m * (in_double(v_[j]) - in_double(v_[i])), arm);
+                        }
+                      });
   }
 
  private:
@@ -92,45 +116,51 @@ class ParticleBalance {
   const std::vector<Vec4f>& v_;
 };
 
-void balance_momentum(const RigidMultigrid& multigrid, const ViscousForces& forces,
-                      const FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,
-                      float time_step, std::vector<Vec4f>& v) {
-  const RigidLevel& cells = multigrid.finest();
+/// Calls work(cells) for the cells of each component, which follow each other in `order`.
+template <class Work>
+void for_components(std::span<const std::uint32_t> order, std::span<const std::uint32_t> component,
+                    const Work& work) {
+  for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
+    while (end < order.size() && component[order[end]] == component[order[begin]]) ++end;
+    work(order.subspan(begin, end - begin));
+  }
+}
+
+}  // namespace
+
+void MomentumBalance::restore(const RigidMultigrid& multigrid, const ViscousForces& forces,
+                              const FluidParticles& particles, const NeighbourLists& lists,
+                              const WallSums& walls, float time_step, std::vector<Vec4f>& v) {
   const ParticleBalance particle(forces, particles, lists, walls, time_step, v);
-  std::vector<Balance> of(cells.cells());
-  parallel_for(
-      of.size(),
-      [&](std::size_t cell) {
-        multigrid.for_particles(cell, [&](std::size_t i) {
-          const Vec3 arm = in_double(particles.position[i]) - in_double(cells.centre[cell]);
-          particle.add_to(of[cell], i, arm);
-          if (multigrid.any_led()) particle.add_led(of[cell], i, arm);
-        });
-        of[cell].matrix.diagonal().tail<3>().array() += kLeastInertia * multigrid.spacing() *
-                                                        multigrid.spacing() *
-                                                        static_cast<double>(cells.centre[cell][3]);
-      },
-      kBalanceGrain);
-  // About the centre of the component's first cell.
-  const std::vector<std::uint32_t> component = multigrid.components();
-  const auto arm_of = [&](std::size_t cell) -> Vec3 {
-    return in_double(cells.centre[cell]) - in_double(cells.centre[component[cell]]);
-  };
-  for (std::size_t cell = 0; cell < of.size(); ++cell)
-    if (component[cell] != cell) of[component[cell]].add(of[cell], arm_of(cell));
-  parallel_for(of.size(), [&](std::size_t cell) {
-    if (component[cell] == cell) of[cell].missing = of[cell].matrix.ldlt().solve(of[cell].missing);
+  const double inertia = kLeastInertia * multigrid.spacing() * multigrid.spacing();
+  multigrid.find_components(component_);
+  order_.resize(component_.size());
+  std::iota(order_.begin(), order_.end(), 0u);
+  std::ranges::sort(order_, {}, [this](std::uint32_t cell) { return std::pair(component_[cell], cell); });
+  for_components(order_, component_, [&](std::span<const std::uint32_t> cells) {
+    const Vec3 centre = in_double(multigrid.finest().centre[cells.front()]);
+    const auto arm = [&](std::size_t i) -> Vec3 { return in_double(particles.position[i]) - centre; };
+    const auto balance_of = [&](std::size_t k) {
+      Balance sum;
+      multigrid.for_particles(cells[k], [&](std::size_t i) {
+        particle.add_to(sum, i, arm(i));
+        if (multigrid.any_led()) particle.add_led(sum, i, arm(i));
+      });
+      return sum;
+    };
+    const Vector6 q = parallel_sum(cells.size(), Balance(), balance_of, kBalanceGrain).solve(inertia);
+    parallel_for(
+        cells.size(),
+        [&](std::size_t k) {
+          Vec3 carried = Vec3::Zero();  // what rounding has taken from the particles before
+          multigrid.for_particles(cells[k], [&](std::size_t i) {
+            const Vec3 exact = in_double(v[i]) + q.head<3>() + q.tail<3>().cross(arm(i)) + carried;
+            v[i] = padded(exact);
+            carried = exact - in_double(v[i]);
+          });
+        },
+        kBalanceGrain);
   });
-  parallel_for(
-      of.size(),
-      [&](std::size_t cell) {
-        const Vector6& q = of[component[cell]].missing;
-        multigrid.for_particles(cell, [&](std::size_t i) {
-          const Vec3 arm = in_double(particles.position[i]) - in_double(cells.centre[component[cell]]);
-          v[i] += padded(rigid_velocities(arm) * q);
-        });
-      },
-      kBalanceGrain);
 }
 
 }  // namespace kappaflow

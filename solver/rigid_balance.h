@@ -1,8 +1,11 @@
 // Momentum that no error of a viscous solve can change.
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <vector>
 
+#include "core/bytes.h"
 #include "solver/rigid_multigrid.h"
 
 namespace kappaflow {
@@ -10,10 +13,19 @@ namespace kappaflow {
 /// Adds to v, component by component of connected liquid, the rigid motion q that makes linear and angular
 /// momentum right: with B from rigid motions about a point to velocities, sums over a component's particles,
 ///   sum B^T (v + B q - v*) = dt sum B^T (f - L (v + B q)),
-/// where the forces between two of them cancel, and what walls and particles that are led do is left. v*:
-/// particles.velocity. Preconditions: multigrid.build() for the same arguments.
-void balance_momentum(const RigidMultigrid& multigrid, const ViscousForces& forces,
-                      const FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,
-                      float time_step, std::vector<Vec4f>& v);
+/// where the forces between two of them cancel, and what walls and particles that are led do is left. Keeps
+/// its buffers, so that a step allocates nothing once warm.
+class MomentumBalance {
+ public:
+  /// v*: particles.velocity. Precondition: multigrid.build() for the same arguments.
+  void restore(const RigidMultigrid& multigrid, const ViscousForces& forces, const FluidParticles& particles,
+               const NeighbourLists& lists, const WallSums& walls, float time_step, std::vector<Vec4f>& v);
+
+  std::size_t bytes() const { return bytes_of(component_, order_); }
+
+ private:
+  std::vector<std::uint32_t> component_;  // of each cell
+  std::vector<std::uint32_t> order_;      // the cells, component by component
+};
 
 }  // namespace kappaflow

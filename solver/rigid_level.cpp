@@ -11,6 +11,7 @@ namespace kappaflow {
 namespace {
 
 constexpr std::size_t kCellGrain = 16, kParentGrain = 2;  // cells that a task works on
+constexpr std::size_t kHeadroom = 16;                     // matrices grow by this fraction more than needed
 constexpr std::int64_t kLastPlace = (std::int64_t{1} << RigidLevel::kBitsOfPlace) - 1;
 
 // Sums in single precision are uncertain by about this share; blocks are made so much stiffer, lest one that
@@ -49,6 +50,16 @@ std::array<std::int64_t, 3> neighbour_after(const std::array<std::int64_t, 3>& p
 /// Every neighbour.
 constexpr auto kAll = [](std::uint32_t) { return true; };
 
+/// Room for n, without what was there, and without the double of it that growing by a few would take.
+template <class T>
+void make_room_for(std::vector<T>& values, std::size_t n) {
+  if (values.capacity() < n) {
+    std::vector<T>().swap(values);
+    values.reserve(n + n / kHeadroom);
+  }
+  values.resize(n);
+}
+
 /// Turns counts, with one entry more than there are, into where each begins.
 void counts_to_begins(std::vector<std::uint32_t>& counts) {
   std::exclusive_scan(counts.begin(), counts.end(), counts.begin(), std::uint32_t{0});
@@ -62,11 +73,7 @@ RigidMatrix inverse_of(const RigidMatrix& matrix, double inertia) {
   const auto scale = m.diagonal().cwiseSqrt().cwiseInverse().eval();
   m = (scale.asDiagonal() * m * scale.asDiagonal()).eval();
   m = m.llt().solve(Matrix(scale.asDiagonal())).eval();
-  m = (scale.asDiagonal() * m).eval();
-  RigidMatrix result = RigidMatrix::Zero();
-  result.topRows<3>() = m.topRows<3>().cast<float>();
-  result.middleRows<3>(4) = m.bottomRows<3>().cast<float>();
-  return result;
+  return rigid::packed(scale.asDiagonal() * m);
 }
 
 }  // namespace
@@ -82,22 +89,21 @@ std::array<std::int64_t, 3> RigidLevel::place_of(std::uint64_t key) {
 
 std::size_t RigidLevel::bytes() const {
   return bytes_of(key, centre, first_link, links, coupling, anchor, load, motion, parent_, first_child_,
-                  first_in_row_, row_, first_of_colour_, coloured_, after_, inverse_);
+                  first_in_row_, row_, first_of_colour_, coloured_, after_, end_, inverse_);
 }
 
-void RigidLevel::reset(std::span<const std::uint64_t> keys) {
-  const std::size_t n = keys.size();
-  key.assign(keys.begin(), keys.end());
+void RigidLevel::reset() {
   link_cells();
   find_rows();
   find_colours();
-  centre.resize(n);
-  parent_.resize(n);
-  load.resize(n);
-  motion.resize(n);
-  inverse_.resize(n);
-  anchor.assign(n, RigidMatrix::Zero());
-  coupling.assign(links.size(), RigidMatrix::Zero());
+  centre.resize(cells());
+}
+
+void RigidLevel::make_room() {
+  for (auto* vectors : {&load, &motion}) vectors->resize(cells());
+  for (auto* matrices : {&anchor, &inverse_}) make_room_for(*matrices, cells());
+  make_room_for(coupling, links.size());
+  parent_.resize(cells());
 }
 
 void RigidLevel::link_cells() {
@@ -122,14 +128,11 @@ void RigidLevel::link_cells() {
 
 void RigidLevel::find_rows() {
   first_in_row_.assign(cells() + 1, 0);
-  for (const Link& link : links) ++first_in_row_[link.from], ++first_in_row_[link.to];
+  for (const Link& link : links) ++first_in_row_[link.to];
   counts_to_begins(first_in_row_);
-  row_.resize(2 * links.size());
-  std::vector<std::uint32_t> end = first_in_row_;
-  for (std::uint32_t k = 0; k < links.size(); ++k) {
-    row_[end[links[k].from]++] = k;
-    row_[end[links[k].to]++] = k;
-  }
+  row_.resize(links.size());
+  end_ = first_in_row_;
+  for (std::uint32_t k = 0; k < links.size(); ++k) row_[end_[links[k].to]++] = k;
 }
 
 void RigidLevel::find_colours() {
@@ -137,30 +140,35 @@ void RigidLevel::find_colours() {
   for (const std::uint64_t k : key) ++first_of_colour_[k % kColours];
   counts_to_begins(first_of_colour_);
   coloured_.resize(cells());
-  std::vector<std::uint32_t> end = first_of_colour_;
-  for (std::uint32_t cell = 0; cell < cells(); ++cell) coloured_[end[key[cell] % kColours]++] = cell;
+  end_ = first_of_colour_;
+  for (std::uint32_t cell = 0; cell < cells(); ++cell) coloured_[end_[key[cell] % kColours]++] = cell;
 }
 
 bool RigidLevel::coarsen(RigidLevel& finer) {
   if (finer.links.empty()) return false;
-  std::vector<std::uint64_t> keys;
-  for (int bits = 3; keys.empty() || keys.size() == finer.cells(); bits += 3) {
-    keys.clear();
-    first_child_.clear();
-    for (std::uint32_t cell = 0; cell < finer.cells(); ++cell) {
-      const std::uint64_t above = finer.key[cell] >> bits;
-      if (keys.empty() || above != keys.back()) {
-        keys.push_back(above);
-        first_child_.push_back(cell);
-      }
-      finer.parent_[cell] = static_cast<std::uint32_t>(keys.size() - 1);
-    }
-  }
-  first_child_.push_back(static_cast<std::uint32_t>(finer.cells()));
-  reset(keys);
+  find_parents(finer);
+  reset();
+  make_room();
   parallel_for(
       cells(), [&](std::size_t cell) { gather_from(finer, cell); }, kCellGrain);
   return true;
+}
+
+void RigidLevel::find_parents(RigidLevel& finer) {
+  key.clear();
+  for (int bits = 3; key.empty() || key.size() == finer.cells(); bits += 3) {
+    key.clear();
+    first_child_.clear();
+    for (std::uint32_t cell = 0; cell < finer.cells(); ++cell) {
+      const std::uint64_t above = finer.key[cell] >> bits;
+      if (key.empty() || above != key.back()) {
+        key.push_back(above);
+        first_child_.push_back(cell);
+      }
+      finer.parent_[cell] = static_cast<std::uint32_t>(key.size() - 1);
+    }
+  }
+  first_child_.push_back(static_cast<std::uint32_t>(finer.cells()));
 }
 
 void RigidLevel::gather_from(const RigidLevel& finer, std::size_t cell) {
@@ -171,28 +179,30 @@ void RigidLevel::gather_from(const RigidLevel& finer, std::size_t cell) {
                  mass);
   }
   centre[cell] = {sum[0] / sum[3], sum[1] / sum[3], sum[2] / sum[3], sum[3]};
+  anchor[cell] = {};
+  std::fill(coupling.begin() + first_link[cell], coupling.begin() + first_link[cell + 1], RigidMatrix());
   for (std::uint32_t child = first_child_[cell]; child < first_child_[cell + 1]; ++child) {
-    anchor[cell] += rigid::matrix_from(finer.anchor[child], finer.centre[child] - centre[cell]);
-    for (std::uint32_t k = finer.first_in_row_[child]; k < finer.first_in_row_[child + 1]; ++k) {
-      const Link& link = finer.links[finer.row_[k]];
-      const std::uint32_t other = finer.parent_[link.from == child ? link.to : link.from];
-      for (std::uint32_t own = first_link[cell]; own < first_link[cell + 1]; ++own)
-        if (links[own].to == other)
-          coupling[own] +=
-              rigid::matrix_from(finer.coupling[finer.row_[k]], finer.centre[link.from] - centre[cell]);
-    }
+    anchor[cell] += rigid::matrix_from(finer.anchor[child], (finer.centre[child] - centre[cell]).head<3>());
+    for (std::uint32_t k = finer.first_link[child]; k < finer.first_link[child + 1]; ++k)
+      add_link(finer, cell, k, finer.parent_[finer.links[k].to]);
+    for (const std::uint32_t k : finer.links_to(child))
+      add_link(finer, cell, k, finer.parent_[finer.links[k].from]);
   }
 }
 
-RigidMatrix RigidLevel::diagonal(std::size_t cell) const {
+/// The finer level's link k joins the cell and another.
+void RigidLevel::add_link(const RigidLevel& finer, std::size_t cell, std::uint32_t k, std::uint32_t other) {
+  for (std::uint32_t own = first_link[cell]; own < first_link[cell + 1]; ++own)
+    if (links[own].to == other)
+      coupling[own] +=
+          rigid::matrix_from(finer.coupling[k], (finer.centre[finer.links[k].from] - centre[cell]).head<3>());
+}
+
+RigidMatrix RigidLevel::diagonal(std::uint32_t cell) const {
   RigidMatrix sum = anchor[cell];
-  for (std::uint32_t k = first_in_row_[cell]; k < first_in_row_[cell + 1]; ++k) {
-    const std::uint32_t from = links[row_[k]].from;
-    if (from == cell)
-      sum += coupling[row_[k]];
-    else
-      sum += rigid::matrix_from(coupling[row_[k]], centre[from] - centre[cell]);
-  }
+  for (std::uint32_t k = first_link[cell]; k < first_link[cell + 1]; ++k) sum += coupling[k];
+  for (const std::uint32_t k : links_to(cell))
+    sum += rigid::matrix_from(coupling[k], arm(links[k].from, cell));
   return sum;
 }
 
@@ -200,25 +210,28 @@ void RigidLevel::invert(float inertia) {
   parallel_for(
       cells(),
       [&](std::size_t cell) {
-        inverse_[cell] = inverse_of(diagonal(cell), static_cast<double>(inertia * centre[cell][3]));
+        inverse_[cell] = inverse_of(diagonal(static_cast<std::uint32_t>(cell)),
+                                    static_cast<double>(inertia * centre[cell][3]));
       },
       kCellGrain);
 }
 
 // Differences of motions come first: the common motion of stiff liquid must not leave rounding.
 template <class Select>
-RigidVector RigidLevel::residual(std::size_t cell, const Select& counts) const {
-  RigidVector result = load[cell] - rigid::product(anchor[cell], motion[cell]);
-  for (std::uint32_t k = first_in_row_[cell]; k < first_in_row_[cell + 1]; ++k) {
-    const auto [from, to] = links[row_[k]];
-    if (!counts(from == cell ? to : from)) continue;
-    const Vec4f arm = centre[from] - centre[to];
-    const RigidVector pull =
-        rigid::product(coupling[row_[k]], motion[from] - rigid::motion_about(motion[to], arm));
-    if (from == cell)
-      result -= pull;
-    else
-      result += rigid::load_from(pull, arm);
+RigidVector RigidLevel::residual(std::uint32_t cell, const Select& counts) const {
+  const RigidVector own = motion[cell];
+  RigidVector result = load[cell] - rigid::product(anchor[cell], own);
+  for (std::uint32_t k = first_link[cell]; k < first_link[cell + 1]; ++k) {
+    const std::uint32_t to = links[k].to;
+    if (!counts(to)) continue;
+    result -= rigid::product(coupling[k], own - rigid::motion_about(motion[to], arm(cell, to)));
+  }
+  for (const std::uint32_t k : links_to(cell)) {
+    const std::uint32_t from = links[k].from;
+    if (!counts(from)) continue;
+    const Eigen::Vector3f away = arm(from, cell);
+    result +=
+        rigid::load_from(rigid::product(coupling[k], motion[from] - rigid::motion_about(own, away)), away);
   }
   return result;
 }
@@ -233,7 +246,7 @@ void RigidLevel::for_cells_of(std::uint64_t colour, const Work& work) const {
 void RigidLevel::relax_from_zero() {
   for (std::uint64_t k = 0; k < kColours; ++k)
     for_cells_of(k, [&](std::uint32_t cell) {
-      motion[cell].setZero();
+      motion[cell] = {};
       const RigidVector left = residual(cell, [&](std::uint32_t other) { return colour(other) < k; });
       motion[cell] = rigid::product(inverse_[cell], left);
     });
@@ -243,9 +256,10 @@ void RigidLevel::restrict_to(RigidLevel& coarser) const {
   parallel_for(
       coarser.cells(),
       [&](std::size_t above) {
-        RigidVector sum = RigidVector::Zero();
+        RigidVector sum;
         for (std::uint32_t cell = coarser.first_child_[above]; cell < coarser.first_child_[above + 1]; ++cell)
-          sum += rigid::load_from(residual(cell, kAll), centre[cell] - coarser.centre[above]);
+          sum +=
+              rigid::load_from(residual(cell, kAll), (centre[cell] - coarser.centre[above]).head<3>().eval());
         coarser.load[above] = sum;
       },
       kParentGrain);
@@ -260,24 +274,28 @@ void RigidLevel::relax() {
 void RigidLevel::add_from(const RigidLevel& coarser) {
   parallel_for(cells(), [&](std::size_t cell) {
     const std::uint32_t above = parent_[cell];
-    motion[cell] += rigid::motion_about(coarser.motion[above], centre[cell] - coarser.centre[above]);
+    motion[cell] +=
+        rigid::motion_about(coarser.motion[above], (centre[cell] - coarser.centre[above]).head<3>().eval());
   });
 }
 
-std::vector<std::uint32_t> RigidLevel::components(bool coupled) const {
-  std::vector<std::uint32_t> root(cells());
+void RigidLevel::find_components(bool coupled, std::vector<std::uint32_t>& root) const {
+  root.resize(cells());
   std::iota(root.begin(), root.end(), 0u);
   const auto root_of = [&](std::uint32_t cell) {
     while (root[cell] != cell) cell = root[cell] = root[root[cell]];
     return cell;
   };
+  const auto is_coupled = [&](std::size_t link) {
+    const SymmetricMatrix& force = coupling[link].force;
+    return force[0] + force[1] + force[2] > 0;
+  };
   for (std::size_t k = 0; k < links.size(); ++k) {
-    if (coupled && coupling[k].topLeftCorner<3, 3>().trace() == 0) continue;
+    if (coupled && !is_coupled(k)) continue;
     const auto [a, b] = std::minmax({root_of(links[k].from), root_of(links[k].to)});
     root[b] = a;
   }
   for (std::uint32_t cell = 0; cell < cells(); ++cell) root[cell] = root_of(cell);
-  return root;
 }
 
 }  // namespace kappaflow

@@ -29,11 +29,13 @@ class RigidLevel {
   static std::uint64_t key_of(const std::array<std::int64_t, 3>& place);
   static std::array<std::int64_t, 3> place_of(std::uint64_t key);
 
-  /// Sets the cells, ascending, and links them; all sums are 0.
-  void reset(std::span<const std::uint64_t> keys);
+  /// Sets the cells to those of `key`, ascending, and links them.
+  void reset();
+  /// Room for the sums over links and cells, which are not set.
+  void make_room();
   /// Adds up the finer level's sums. Sets its cells' parents. False where there would be nothing to gain.
   bool coarsen(RigidLevel& finer);
-  /// What relax_*() needs, once the sums stand. inertia: of a particle, see kInertia [m2].
+  /// What relax_*() needs, once the sums stand. inertia: of a particle, see kPointInertia [m2].
   void invert(float inertia);
 
   std::size_t cells() const { return key.size(); }
@@ -53,7 +55,7 @@ class RigidLevel {
 
   /// The connected component of each cell, by its first cell: of cells that are coupled, or of all that
   /// touch.
-  std::vector<std::uint32_t> components(bool coupled) const;
+  void find_components(bool coupled, std::vector<std::uint32_t>& root) const;
 
   std::size_t bytes() const;
 
@@ -69,20 +71,29 @@ class RigidLevel {
   void link_cells();
   void find_rows();
   void find_colours();
+  void find_parents(RigidLevel& finer);
   void gather_from(const RigidLevel& finer, std::size_t cell);
-  RigidMatrix diagonal(std::size_t cell) const;
+  void add_link(const RigidLevel& finer, std::size_t cell, std::uint32_t link, std::uint32_t other);
+  Eigen::Vector3f arm(std::uint32_t to, std::uint32_t from) const {
+    return (centre[to] - centre[from]).head<3>();
+  }
+  std::span<const std::uint32_t> links_to(std::size_t cell) const {
+    return {row_.data() + first_in_row_[cell], first_in_row_[cell + 1] - first_in_row_[cell]};
+  }
+  RigidMatrix diagonal(std::uint32_t cell) const;
   /// load - A motion at one cell, of the neighbours that count.
   template <class Select>
-  RigidVector residual(std::size_t cell, const Select& counts) const;
+  RigidVector residual(std::uint32_t cell, const Select& counts) const;
   std::uint64_t colour(std::size_t cell) const { return key[cell] % kColours; }
   template <class Work>
   void for_cells_of(std::uint64_t colour, const Work& work) const;
 
   std::vector<std::uint32_t> parent_;
   std::vector<std::uint32_t> first_child_;         // in the finer level
-  std::vector<std::uint32_t> first_in_row_, row_;  // the links of a cell, both ways
+  std::vector<std::uint32_t> first_in_row_, row_;  // the links to a cell
   std::vector<std::uint32_t> first_of_colour_, coloured_;
   std::vector<std::array<std::uint32_t, 13>> after_;  // cells, while links are found
+  std::vector<std::uint32_t> end_;                    // of rows or colours, while they are filled
   std::vector<RigidMatrix> inverse_;
 };
 

@@ -1,74 +1,160 @@
 // Rigid motions about a point, loads about a point, and symmetric matrices from the former to the latter.
 #pragma once
 
+#include <Eigen/Geometry>
+#include <array>
+
 #include "core/types.h"
+#include "core/wide.h"
 
 namespace kappaflow {
 
-/// A rigid motion about a point: velocity [m/s], 0, angular velocity [rad/s], 0. Or a load about it: force,
-/// 0, torque, 0.
-using RigidVector = Eigen::Matrix<float, 8, 1>;
-/// From rigid motions, without their zeros, to loads.
-using RigidMatrix = Eigen::Matrix<float, 8, 6>;
+/// xx, yy, zz, yz, xz, xy
+using SymmetricMatrix = std::array<float, 6>;
+
+/// A rigid motion about a point: velocity [m/s] and angular velocity [rad/s]. Or a load about it: force and
+/// torque.
+struct RigidVector {
+  Eigen::Vector3f linear = Eigen::Vector3f::Zero(), angular = Eigen::Vector3f::Zero();
+
+  void operator+=(const RigidVector& other) {
+    linear += other.linear;
+    angular += other.angular;
+  }
+  void operator-=(const RigidVector& other) {
+    linear -= other.linear;
+    angular -= other.angular;
+  }
+  friend RigidVector operator-(RigidVector a, const RigidVector& b) {
+    a -= b;
+    return a;
+  }
+};
+
+/// From rigid motions to loads, symmetric: 21 numbers. T is float, or Wide: eight matrices.
+template <class T>
+struct RigidMatrixOf {
+  std::array<T, 6> force{};    ///< from velocity to force, as SymmetricMatrix
+  std::array<T, 9> torque{};   ///< from velocity to torque, by rows; its transpose: from angular velocity to
+                               ///< force
+  std::array<T, 6> turning{};  ///< from angular velocity to torque
+
+  void operator+=(const RigidMatrixOf& other) {
+    for (std::size_t k = 0; k < 6; ++k) force[k] += other.force[k];
+    for (std::size_t k = 0; k < 9; ++k) torque[k] += other.torque[k];
+    for (std::size_t k = 0; k < 6; ++k) turning[k] += other.turning[k];
+  }
+};
+using RigidMatrix = RigidMatrixOf<float>;
 
 namespace rigid {
 
-/// The fourth components are not read.
-inline Vec4f cross(const Vec4f& a, const Vec4f& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0], 0};
+inline Eigen::Vector3f product(const SymmetricMatrix& matrix, const Eigen::Vector3f& v) {
+  const auto& [xx, yy, zz, yz, xz, xy] = matrix;
+  return {xx * v[0] + xy * v[1] + xz * v[2], xy * v[0] + yy * v[1] + yz * v[2],
+          xz * v[0] + yz * v[1] + zz * v[2]};
 }
 
 /// Velocity at the point that is `arm` away.
-inline Vec4f velocity(const RigidVector& motion, const Vec4f& arm) {
-  return motion.head<4>() + cross(motion.tail<4>(), arm);
+inline Eigen::Vector3f velocity(const RigidVector& motion, const Eigen::Vector3f& arm) {
+  return motion.linear + motion.angular.cross(arm);
 }
 
 /// The load of a force that acts `arm` away.
-inline RigidVector load(const Vec4f& force, const Vec4f& arm) {
-  RigidVector result;
-  result.head<4>() = force;
-  result.tail<4>() = cross(arm, force);
-  return result;
+inline RigidVector load(const Eigen::Vector3f& force, const Eigen::Vector3f& arm) {
+  return {force, arm.cross(force)};
 }
 
 /// The same motion about the point that is `arm` away.
-inline RigidVector motion_about(const RigidVector& motion, const Vec4f& arm) {
-  RigidVector result = motion;
-  result.head<4>() += cross(motion.tail<4>(), arm);
-  return result;
+inline RigidVector motion_about(const RigidVector& motion, const Eigen::Vector3f& arm) {
+  return {velocity(motion, arm), motion.angular};
 }
 
 /// A load about the point that is `arm` away, about this one.
-inline RigidVector load_from(const RigidVector& load, const Vec4f& arm) {
-  RigidVector result = load;
-  result.tail<4>() += cross(arm, load.head<4>());
-  return result;
-}
-
-/// Where the vector has what the matrix's column multiplies.
-constexpr int row_of(int column) {
-  return column < 3 ? column : column + 1;
+inline RigidVector load_from(const RigidVector& load, const Eigen::Vector3f& arm) {
+  return {load.linear, load.angular + arm.cross(load.linear)};
 }
 
 inline RigidVector product(const RigidMatrix& matrix, const RigidVector& motion) {
-  RigidVector sum = matrix.col(0) * motion[0];
-  for (int c = 1; c < 6; ++c) sum += matrix.col(c) * motion[row_of(c)];
-  return sum;
+  const auto& [v, w] = motion;
+  const auto& b = matrix.torque;
+  const Eigen::Vector3f force(b[0] * w[0] + b[3] * w[1] + b[6] * w[2],
+                              b[1] * w[0] + b[4] * w[1] + b[7] * w[2],
+                              b[2] * w[0] + b[5] * w[1] + b[8] * w[2]);
+  const Eigen::Vector3f torque(b[0] * v[0] + b[1] * v[1] + b[2] * v[2],
+                               b[3] * v[0] + b[4] * v[1] + b[5] * v[2],
+                               b[6] * v[0] + b[7] * v[1] + b[8] * v[2]);
+  return {product(matrix.force, v) + force, torque + product(matrix.turning, w)};
+}
+
+/// [arm] matrix, by rows: arm x its columns.
+template <class T>
+std::array<T, 9> crossed(const Eigen::Vector3f& arm, const std::array<T, 6>& matrix) {
+  const float x = arm[0], y = arm[1], z = arm[2];
+  const auto& [xx, yy, zz, yz, xz, xy] = matrix;
+  return {T(y * xz - z * xy), T(y * yz - z * yy), T(y * zz - z * yz),  //
+          T(z * xx - x * xz), T(z * xy - x * yz), T(z * xz - x * zz),  //
+          T(x * xy - y * xx), T(x * yy - y * xy), T(x * yz - y * xz)};
+}
+
+/// [arm] t^T, t by rows, where it is symmetric.
+template <class T>
+std::array<T, 6> crossed(const Eigen::Vector3f& arm, const std::array<T, 9>& t) {
+  const float x = arm[0], y = arm[1], z = arm[2];
+  return {T(y * t[2] - z * t[1]), T(z * t[3] - x * t[5]), T(x * t[7] - y * t[6]),
+          T(z * t[6] - x * t[8]), T(y * t[8] - z * t[7]), T(y * t[5] - z * t[4])};
+}
+
+/// The matrix of a resistance to the velocity at the point that is `arm` away.
+template <class T>
+RigidMatrixOf<T> matrix_at(const std::array<T, 6>& resistance, const Eigen::Vector3f& arm) {
+  const std::array<T, 9> torque = crossed(arm, resistance);
+  return {resistance, torque, crossed(arm, torque)};
 }
 
 /// A matrix about the point that is `arm` away, about this one.
-inline RigidMatrix matrix_from(const RigidMatrix& matrix, const Vec4f& arm) {
-  RigidMatrix result;
-  for (int c = 0; c < 6; ++c)
-    result.col(c) = load_from(product(matrix, motion_about(RigidVector::Unit(row_of(c)), arm)), arm);
+inline RigidMatrix matrix_from(const RigidMatrix& matrix, const Eigen::Vector3f& arm) {
+  const float x = arm[0], y = arm[1], z = arm[2];
+  const auto& b = matrix.torque;
+  RigidMatrix result = matrix_at(matrix.force, arm);
+  for (std::size_t k = 0; k < 9; ++k) result.torque[k] += b[k];
+  // turning + [arm] result.torque^T - torque [arm]
+  const std::array<float, 6> left = crossed(arm, result.torque);
+  const std::array<float, 6> right{b[1] * z - b[2] * y, b[5] * x - b[3] * z, b[6] * y - b[7] * x,
+                                   b[3] * y - b[4] * x, b[0] * y - b[1] * x, b[2] * x - b[0] * z};
+  for (std::size_t k = 0; k < 6; ++k) result.turning[k] = matrix.turning[k] + (left[k] - right[k]);
   return result;
 }
 
-/// Without the rows of zeros.
-inline Eigen::Matrix<double, 6, 6> squared(const RigidMatrix& matrix) {
-  Eigen::Matrix<double, 6, 6> result;
-  result << matrix.topRows<3>().cast<double>(), matrix.middleRows<3>(4).cast<double>();
+/// One of the eight.
+inline RigidMatrix matrix_in(const RigidMatrixOf<Wide>& matrices, int lane) {
+  RigidMatrix result;
+  for (std::size_t k = 0; k < 6; ++k) result.force[k] = matrices.force[k][lane];
+  for (std::size_t k = 0; k < 9; ++k) result.torque[k] = matrices.torque[k][lane];
+  for (std::size_t k = 0; k < 6; ++k) result.turning[k] = matrices.turning[k][lane];
   return result;
+}
+
+/// All of it in double precision.
+inline Eigen::Matrix<double, 6, 6> squared(const RigidMatrix& matrix) {
+  const auto symmetric = [](const SymmetricMatrix& m) {
+    Eigen::Matrix3f result;
+    result << m[0], m[5], m[4], m[5], m[1], m[3], m[4], m[3], m[2];
+    return result.cast<double>().eval();
+  };
+  const auto torque =
+      Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(matrix.torque.data()).cast<double>();
+  Eigen::Matrix<double, 6, 6> result;
+  result << symmetric(matrix.force), torque.transpose(), torque, symmetric(matrix.turning);
+  return result;
+}
+
+/// The other way, from the lower triangle.
+inline RigidMatrix packed(const Eigen::Matrix<double, 6, 6>& matrix) {
+  const Eigen::Matrix<float, 6, 6> m = matrix.cast<float>();
+  return {{m(0, 0), m(1, 1), m(2, 2), m(2, 1), m(2, 0), m(1, 0)},
+          {m(3, 0), m(3, 1), m(3, 2), m(4, 0), m(4, 1), m(4, 2), m(5, 0), m(5, 1), m(5, 2)},
+          {m(3, 3), m(4, 4), m(5, 5), m(5, 4), m(5, 3), m(4, 3)}};
 }
 
 }  // namespace rigid

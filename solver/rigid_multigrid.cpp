@@ -2,15 +2,13 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <utility>
-
-#include "core/parallel.h"
 
 namespace kappaflow {
 namespace {
 
-constexpr std::size_t kFinestGrain = 4;  // cells that a task works on
 constexpr float kLastCell = (1 << RigidLevel::kBitsOfPlace) - 1;
 // Particles are points: a cell with one of them, or with a line of them, could turn at no cost, and has no
 // inverse. In `inverse` each has this moment of inertia [spacing^2].
@@ -24,61 +22,32 @@ constexpr double kBlockUncertainty = 1e-6;
 float cell_along(float x, float lower, float width) {
   return std::min(std::floor((x - lower) * (1 / width)), kLastCell);
 }
-Wide cell_along(const Wide& x, float lower, float width) {
-  return ((x - lower) * (1 / width)).floor().min(kLastCell);
-}
 
-// Codes of a pair in CellSums: in no sum, and in the cell's own.
-constexpr float kNoSum = -1, kAnchorSum = 0;
+/// w x x^T of eight pairs.
+using WideSquares = std::array<Wide, 6>;
+WideSquares weighted_squares(const WideVec& x, const Wide& weight) {
+  const Wide wx = weight * x.x, wy = weight * x.y, wz = weight * x.z;
+  return {wx * x.x, wy * x.y, wz * x.z, wy * x.z, wx * x.z, wx * x.y};
+}
 
 }  // namespace
 
 RigidMultigrid::RigidMultigrid(double spacing) : spacing_(spacing), levels_(1) {}
 
 std::size_t RigidMultigrid::bytes() const {
-  std::size_t sum = bytes_of(runs_, first_run_, cell_of_, inverse_diagonal_);
+  std::size_t sum = bytes_of(runs_, first_run_, inverse_diagonal_);
   for (const RigidLevel& level : levels_) sum += level.bytes();
   return sum;
 }
 
-/// The sum of w l l^T over pairs, l = (x, arm x x) the load of a unit force along the pair: its lower
-/// triangle.
-class RigidMultigrid::WideSquares {
- public:
-  void add(const WideVec& x, const Wide& weight, const Vec4f& arm) {
-    const std::array<Wide, 6> line{
-        x.x, x.y, x.z, arm[1] * x.z - arm[2] * x.y, arm[2] * x.x - arm[0] * x.z, arm[0] * x.y - arm[1] * x.x};
-    std::size_t k = 0;
-    for (std::size_t a = 0; a < 6; ++a) {
-      const Wide scaled = weight * line[a];
-      for (std::size_t b = 0; b <= a; ++b) sums_[k++] += scaled * line[b];
-    }
-    empty_ = false;
-  }
-
-  void add_to(RigidMatrix& matrix) const {
-    if (empty_) return;
-    std::size_t k = 0;
-    for (int a = 0; a < 6; ++a)
-      for (int b = 0; b <= a; ++b) {
-        const float sum = sums_[k++].sum();
-        matrix(rigid::row_of(a), b) += sum;
-        if (a != b) matrix(rigid::row_of(b), a) += sum;
-      }
-  }
-
- private:
-  std::array<Wide, 21> sums_ = filled();
-  bool empty_ = true;
-
-  static std::array<Wide, 21> filled() {
-    std::array<Wide, 21> zeros;
-    zeros.fill(Wide::Zero());
-    return zeros;
-  }
-};
-
-/// Sums over the pairs of a cell's particles.
+/// Sums over the pairs of a cell's particles. With T the sum of w x x^T over some pairs of a particle, that
+/// of w l l^T, l = (x, arm x x) the load of a unit force along the pair, is T's rigid::matrix_at() the
+/// particle's arm.
+///
+/// The cell is wider than twice the kernel's support: on each axis a particle has neighbours in its own cell
+/// and, in the cell's upper half, in the one above, else in the one below. So there are eight cells that they
+/// can be in, which are counted by octant: bit a is set beyond the cell's border on axis a. Which eight:
+/// by the particle's side, bit a set in the upper half on axis a.
 class RigidMultigrid::CellSums {
  public:
   CellSums(RigidMultigrid& grid, std::size_t cell, const ViscousForces& forces,
@@ -90,110 +59,152 @@ class RigidMultigrid::CellSums {
         lists_(lists),
         walls_(walls),
         time_step_(time_step),
-        centre_(grid.levels_[0].centre[cell]),
-        anchor_(grid.levels_[0].anchor[cell]) {
-    into_[0] = &anchor_;
-    const auto place = RigidLevel::place_of(grid.levels_[0].key[cell]);
+        inverse_width_(1 / static_cast<float>(kCellWidth * grid.spacing_)),
+        cell_(cell) {
+    const auto place = RigidLevel::place_of(grid.finest().key[cell]);
     for (std::size_t a = 0; a < 3; ++a) place_[a] = static_cast<float>(place[a]);
-    for (const RigidLevel::Link& link : grid.levels_[0].links_from(cell)) {
-      const auto other = RigidLevel::place_of(grid.levels_[0].key[link.to]);
-      const auto code = other[0] - place[0] + 3 * (other[1] - place[1]) + 9 * (other[2] - place[2]);
-      const std::ptrdiff_t k = &link - grid.levels_[0].links.data();
-      into_[static_cast<std::size_t>(code)] = &grid.levels_[0].coupling[static_cast<std::size_t>(k)];
-    }
-  }
-
-  /// Writes what has been added.
-  void finish() const {
-    for (std::size_t k = 0; k < sums_.size(); ++k)
-      if (into_[k] != nullptr) sums_[k].add_to(*into_[k]);
   }
 
   void add(std::size_t i) {
-    Vec4f arm = particles_.position[i] - centre_;
-    arm[3] = 0;
-    Wide xx = Wide::Zero(), yy = xx, zz = xx, xy = xx, xz = xx, yz = xx;
-    forces_.for_pairs(i, particles_, lists_, [&](const PairBlock& block, const WideVec& x, const Wide& w) {
-      xx += w * x.x * x.x;
-      yy += w * x.y * x.y;
-      zz += w * x.z * x.z;
-      xy += w * x.x * x.y;
-      xz += w * x.x * x.z;
-      yz += w * x.y * x.z;
-      if (!grid_.weak_) couple(block, x, w, arm);
-    });
-    Eigen::Matrix3d pairs;
-    pairs << xx.sum(), xy.sum(), xz.sum(), xy.sum(), yy.sum(), yz.sum(), xz.sum(), yz.sum(), zz.sum();
-    add_inertia(arm);
-    if (walls_.touches(i)) add_wall(i, arm, pairs);
-    grid_.inverse_diagonal_[i] = inverse_of(pairs);
+    if (!grid_.weak_) find_borders(particles_.position[i]);
+    std::array<Wide, 6> pairs;
+    pairs.fill(Wide::Zero());
+    forces_.for_pairs(
+        i, particles_, lists_,
+        [&](const PairBlock& block, const WideVec& x, const Wide& w, const WideVec& xj)
+            __attribute__((always_inline)) {
+              const WideSquares squares = weighted_squares(x, w);
+              for (std::size_t k = 0; k < 6; ++k) pairs[k] += squares[k];
+              if (!grid_.weak_) couple(block, xj, w, squares);
+            });
+    const SymmetricMatrix drag = wall_drag(i);
+    const Vec4f diagonal = sums(pairs[0], pairs[1], pairs[2]), others = sums(pairs[3], pairs[4], pairs[5]);
+    grid_.inverse_diagonal_[i] =
+        inverse_of({diagonal[0] + drag[0], diagonal[1] + drag[1], diagonal[2] + drag[2], others[0] + drag[3],
+                    others[1] + drag[4], others[2] + drag[5]});
+    if (!grid_.weak_) add_squares(i, drag);
   }
 
+  /// Writes what has been added.
+  void finish() const;
+
  private:
-  /// Adds those of the pairs that are between two cells, or with a particle that is led.
-  void couple(const PairBlock& block, const WideVec& x, const Wide& weight, const Vec4f& arm) {
-    const WideVec xj = gather(particles_.position, block);
-    Wide code = offset(xj.x, 0) + 3 * offset(xj.y, 1) + 9 * offset(xj.z, 2);
-    code = (code > 0 && weight > 0).select(code, kNoSum);
-    if (grid_.any_led_) find_led(block, weight, code);
-    if ((code == kNoSum).all()) return;
+  static constexpr int kLed = 8;  // in place of the octant: a particle that is led
+
+  void find_borders(const Vec4f& x);
+  /// Notes those of the pairs that are between two cells, or with a particle that is led.
+  [[gnu::always_inline]] void couple(const PairBlock& block, const WideVec& xj, const Wide& weight,
+                                     const WideSquares& squares) {
+    Wide octant = beyond(xj.x, 0) + beyond(xj.y, 1) + beyond(xj.z, 2);
+    if (grid_.any_led_) find_led(block, weight, octant);
+    if ((octant == 0).all()) return;
     for (int k = 0; k < kWide; ++k) {
-      const float sum = code[k];
-      if (sum == kNoSum) continue;
-      sums_[static_cast<std::size_t>(sum)].add(x, (code == sum).select(time_step_ * weight, 0.0f), arm);
-      code = (code == sum).select(kNoSum, code);
+      if (octant[k] == 0) continue;
+      const int into = static_cast<int>(octant[k]);
+      for (std::size_t a = 0; a < 6; ++a) (into == kLed ? led_[a] : squares_[a][into]) += squares[a][k];
     }
   }
-  void find_led(const PairBlock& block, const Wide& weight, Wide& code) const {
+  /// 2^axis beyond the border, else 0.
+  Wide beyond(const Wide& x, std::size_t axis) const {
+    const Wide at = (x - grid_.lower_[static_cast<int>(axis)]) * inverse_width_;
+    const auto& [border, above, below] = borders_[axis];
+    return (at >= border).select(Wide::Constant(above), below);
+  }
+  void find_led(const PairBlock& block, const Wide& weight, Wide& octant) const {
     for (int k = 0; k < kWide; ++k)
       if (weight[k] > 0 && particles_.led_by[block.base + block.offset[static_cast<std::size_t>(k)]] != 0)
-        code[k] = kAnchorSum;
+        octant[k] = kLed;
   }
-  Wide offset(const Wide& x, std::size_t axis) const;
-  void add_inertia(const Vec4f& arm);
-  void add_wall(std::size_t i, const Vec4f& arm, Eigen::Matrix3d& pairs);
-  SymmetricMatrix inverse_of(const Eigen::Matrix3d& pairs) const;
+  void add_squares(std::size_t i, const SymmetricMatrix& drag);
+  SymmetricMatrix wall_drag(std::size_t i) const;
+  SymmetricMatrix inverse_of(const SymmetricMatrix& pairs) const;
 
   RigidMultigrid& grid_;
   const ViscousForces& forces_;
   const FluidParticles& particles_;
   const NeighbourLists& lists_;
   const WallSums& walls_;
-  float time_step_;
-  Vec4f centre_;
-  RigidMatrix& anchor_;
-  std::array<float, 3> place_;
-  std::array<RigidMatrix*, 14> into_{};  // by x + 3 y + 9 z, cells away; itself: its anchor
-  std::array<WideSquares, 14> sums_;     // of what goes there
+  float time_step_, inverse_width_;
+  std::size_t cell_;
+  std::array<float, 3> place_;  // of the cell
+  RigidMatrix anchor_;
+  std::array<RigidMatrixOf<Wide>, 8> sums_ = zeros();  // by side, of the octants
+
+  // Of one particle.
+  struct Border {
+    float at, above, below;  // in widths of a cell; what beyond() is on either side of it
+  };
+  std::array<Border, 3> borders_;
+  std::size_t side_ = 0;
+  WideSquares squares_;    // of the octants
+  SymmetricMatrix led_{};  // of the particles that are led
+
+  static std::array<RigidMatrixOf<Wide>, 8> zeros() {
+    RigidMatrixOf<Wide> zero;
+    zero.force.fill(Wide::Zero());
+    zero.torque.fill(Wide::Zero());
+    zero.turning.fill(Wide::Zero());
+    std::array<RigidMatrixOf<Wide>, 8> result;
+    result.fill(zero);
+    return result;
+  }
 };
 
-/// Cells from this one, -1, 0 or 1.
-Wide RigidMultigrid::CellSums::offset(const Wide& x, std::size_t axis) const {
-  const float width = static_cast<float>(kCellWidth * grid_.spacing_);
-  return cell_along(x, grid_.lower_[static_cast<Eigen::Index>(axis)], width) - place_[axis];
-}
-
-void RigidMultigrid::CellSums::add_inertia(const Vec4f& arm) {
-  const Eigen::Vector3f a = arm.head<3>();
-  const Eigen::Matrix3f inertia = a.squaredNorm() * Eigen::Matrix3f::Identity() - a * a.transpose();
-  anchor_.block<3, 3>(4, 3) += inertia;
-  for (int c = 0; c < 3; ++c) anchor_(c, c) += 1;
-}
-
-void RigidMultigrid::CellSums::add_wall(std::size_t i, const Vec4f& arm, Eigen::Matrix3d& pairs) {
-  for (int c = 0; c < 3; ++c)
-    pairs.col(c) += forces_.wall_drag(i, particles_, walls_, Vec4f::Unit(c)).head<3>().cast<double>();
-  if (grid_.weak_) return;
-  for (int c = 0; c < 6; ++c) {
-    const Vec4f v = rigid::velocity(RigidVector::Unit(rigid::row_of(c)), arm);
-    anchor_.col(c) += rigid::load(time_step_ * forces_.wall_drag(i, particles_, walls_, v), arm);
+void RigidMultigrid::CellSums::find_borders(const Vec4f& x) {
+  squares_.fill(Wide::Zero());
+  led_ = {};
+  side_ = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const int axis = static_cast<int>(a);
+    const float bit = static_cast<float>(1 << a);
+    const bool upper = (x[axis] - grid_.lower_[axis]) * inverse_width_ >= place_[a] + 0.5f;
+    side_ |= static_cast<std::size_t>(upper) << a;
+    borders_[a] = upper ? Border{place_[a] + 1, bit, 0} : Border{place_[a], 0, bit};
   }
 }
 
-SymmetricMatrix RigidMultigrid::CellSums::inverse_of(const Eigen::Matrix3d& pairs) const {
+/// Adds the particle's inertia, its walls' drag and what couple() has noted.
+void RigidMultigrid::CellSums::add_squares(std::size_t i, const SymmetricMatrix& drag) {
+  const Eigen::Vector3f arm = grid_.arm(cell_, particles_.position[i]).head<3>();
+  SymmetricMatrix own;
+  for (std::size_t k = 0; k < 6; ++k) own[k] = (k < 3 ? 1.0f : 0.0f) + time_step_ * (drag[k] + led_[k]);
+  anchor_ += rigid::matrix_at(own, arm);
+  WideSquares square;
+  for (std::size_t k = 0; k < 6; ++k) square[k] = time_step_ * squares_[k];
+  sums_[side_] += rigid::matrix_at(square, arm);
+}
+
+void RigidMultigrid::CellSums::finish() const {
+  RigidLevel& level = grid_.levels_.front();
+  level.anchor[cell_] = anchor_;
+  for (std::uint32_t k = level.first_link[cell_]; k < level.first_link[cell_ + 1]; ++k) {
+    const auto other = RigidLevel::place_of(level.key[level.links[k].to]);
+    RigidMatrix& sum = level.coupling[k] = RigidMatrix();
+    // Beyond on the axes where the other cell has another place, and on that side.
+    std::size_t octant = 0, above = 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+      octant |= static_cast<std::size_t>(static_cast<float>(other[a]) != place_[a]) << a;
+      above |= static_cast<std::size_t>(static_cast<float>(other[a]) > place_[a]) << a;
+    }
+    for (std::size_t side = 0; side < 8; ++side)
+      if ((side & octant) == above) sum += rigid::matrix_in(sums_[side], static_cast<int>(octant));
+  }
+}
+
+SymmetricMatrix RigidMultigrid::CellSums::wall_drag(std::size_t i) const {
+  if (!walls_.touches(i)) return {};
+  const auto along = [&](int axis) { return forces_.wall_drag(i, particles_, walls_, Vec4f::Unit(axis)); };
+  const Vec4f x = along(0), y = along(1), z = along(2);
+  return {x[0], y[1], z[2], z[1], z[0], y[0]};
+}
+
+SymmetricMatrix RigidMultigrid::CellSums::inverse_of(const SymmetricMatrix& pairs) const {
   const double dt = static_cast<double>(time_step_);
-  Eigen::Matrix3d block = Eigen::Matrix3d::Identity() + dt * pairs;
-  block.diagonal().array() += kBlockUncertainty * dt * pairs.trace();
+  const auto [xx, yy, zz, yz, xz, xy] = pairs;
+  Eigen::Matrix3f sum;
+  sum << xx, xy, xz, xy, yy, yz, xz, yz, zz;
+  Eigen::Matrix3d block = Eigen::Matrix3d::Identity() + dt * sum.cast<double>();
+  block.diagonal().array() += kBlockUncertainty * dt * static_cast<double>(xx + yy + zz);
   const Eigen::Matrix3f m = block.inverse().cast<float>();
   return {m(0, 0), m(1, 1), m(2, 2), m(1, 2), m(0, 2), m(0, 1)};
 }
@@ -204,18 +215,14 @@ void RigidMultigrid::build(const ViscousForces& forces, const FluidParticles& pa
   find_runs(forces, particles);
   find_cells();
   inverse_diagonal_.resize(particles.size());
-  parallel_for(
-      finest().cells(), [&](std::size_t cell) { find_centre(particles, cell); }, kFinestGrain);
-  parallel_for(
-      finest().cells(),
-      [&](std::size_t cell) {
-        CellSums sums(*this, cell, forces, particles, lists, walls, time_step);
-        for_particles(cell, [&](std::size_t i) { sums.add(i); });
-        sums.finish();
-      },
-      kFinestGrain);
+  if (!weak_) levels_.front().make_room();
+  for_cells([&](std::size_t cell) { find_centre(particles, cell); });
+  for_cells([&](std::size_t cell) {
+    CellSums sums(*this, cell, forces, particles, lists, walls, time_step);
+    for_particles(cell, [&](std::size_t i) { sums.add(i); });
+    if (!weak_) sums.finish();
+  });
   depth_ = 0;
-  std::ranges::fill(levels_.front().motion, RigidVector::Zero());
   if (weak_) return;
   for (depth_ = 1;; ++depth_) {
     if (levels_.size() == depth_) levels_.emplace_back();
@@ -231,15 +238,12 @@ void RigidMultigrid::find_runs(const ViscousForces& forces, const FluidParticles
       n, Vec4f(particles.position.front()), [&](std::size_t i) -> Vec4f { return particles.position[i]; },
       [](const Vec4f& a, const Vec4f& b) -> Vec4f { return a.cwiseMin(b); });
   const float width = static_cast<float>(kCellWidth * spacing_);
-  cell_of_.resize(n);
   runs_.clear();
   any_led_ = false;
   bool in_run = false;
   for (std::uint32_t i = 0; i < n; ++i) {
-    const bool led = particles.led_by[i] != 0;
-    any_led_ = any_led_ || led;
-    cell_of_[i] = RigidLevel::kNone;
-    const bool was_in_run = std::exchange(in_run, !led && forces.act_on(i, particles));
+    any_led_ = any_led_ || particles.led_by[i] != 0;
+    const bool was_in_run = std::exchange(in_run, forces.act_on(i, particles));
     if (!in_run) continue;
     std::array<std::int64_t, 3> place;
     for (int a = 0; a < 3; ++a)
@@ -254,7 +258,8 @@ void RigidMultigrid::find_runs(const ViscousForces& forces, const FluidParticles
 void RigidMultigrid::find_cells() {
   std::ranges::sort(
       runs_, [](const Run& a, const Run& b) { return a.key != b.key ? a.key < b.key : a.begin < b.begin; });
-  std::vector<std::uint64_t> keys;
+  auto& keys = levels_.front().key;
+  keys.clear();
   first_run_.clear();
   for (std::uint32_t k = 0; k < runs_.size(); ++k)
     if (keys.empty() || runs_[k].key != keys.back()) {
@@ -262,14 +267,13 @@ void RigidMultigrid::find_cells() {
       first_run_.push_back(k);
     }
   first_run_.push_back(static_cast<std::uint32_t>(runs_.size()));
-  levels_.front().reset(keys);
+  levels_.front().reset();
 }
 
 void RigidMultigrid::find_centre(const FluidParticles& particles, std::size_t cell) {
   const Vec4f corner = particles.position[runs_[first_run_[cell]].begin];
   Vec4f sum = Vec4f::Zero();
   for_particles(cell, [&](std::size_t i) {
-    cell_of_[i] = static_cast<std::uint32_t>(cell);
     const Vec4f arm = particles.position[i] - corner;
     sum += Vec4f(arm[0], arm[1], arm[2], 1);
   });
@@ -277,19 +281,20 @@ void RigidMultigrid::find_centre(const FluidParticles& particles, std::size_t ce
                                   corner[2] + sum[2] / sum[3], sum[3]};
 }
 
-void RigidMultigrid::solve(const FluidParticles& particles, const std::vector<Vec4f>& r) {
-  if (depth_ == 0) return;
-  RigidLevel& level = levels_.front();
-  parallel_for(
-      level.cells(),
-      [&](std::size_t cell) {
-        RigidVector sum = RigidVector::Zero();
-        for_particles(cell, [&](std::size_t i) {
-          sum += rigid::load(r[i], particles.position[i] - level.centre[cell]);
-        });
-        level.load[cell] = sum;
-      },
-      kFinestGrain);
+double RigidMultigrid::restrict_to(std::size_t cell, const FluidParticles& particles,
+                                   const std::vector<Vec4f>& r) {
+  Vec4f force = Vec4f::Zero(), torque = force, energy = force;
+  for_particles(cell, [&](std::size_t i) {
+    energy += block_times(i, r[i]).cwiseProduct(r[i]);
+    force += r[i];
+    torque += cross(arm(cell, particles.position[i]), r[i]);
+  });
+  if (depth_ > 0) levels_.front().load[cell] = {force.head<3>(), torque.head<3>()};
+  return static_cast<double>(energy.sum());
+}
+
+double RigidMultigrid::solve() {
+  if (depth_ == 0) return 0;
   for (std::size_t k = 0; k < depth_; ++k) {
     levels_[k].relax_from_zero();
     if (k + 1 < depth_) levels_[k].restrict_to(levels_[k + 1]);
@@ -298,16 +303,11 @@ void RigidMultigrid::solve(const FluidParticles& particles, const std::vector<Ve
     if (k + 1 < depth_) levels_[k].add_from(levels_[k + 1]);
     levels_[k].relax();
   }
-}
-
-Vec4f RigidMultigrid::times(const FluidParticles& particles, const std::vector<Vec4f>& r,
-                            std::size_t i) const {
-  if (!takes_part(i)) return Vec4f::Zero();
-  const auto& [xx, yy, zz, yz, xz, xy] = inverse_diagonal_[i];
-  const auto& [x, y, z, zero] = std::array{r[i][0], r[i][1], r[i][2], r[i][3]};
-  const Vec4f arm = particles.position[i] - finest().centre[cell_of_[i]];
-  return Vec4f(xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z, zero) +
-         rigid::velocity(finest().motion[cell_of_[i]], arm);
+  const RigidLevel& level = levels_.front();
+  return sum_over_cells(0.0, [&](std::size_t cell) {
+    return level.load[cell].linear.cast<double>().dot(level.motion[cell].linear.cast<double>()) +
+           level.load[cell].angular.cast<double>().dot(level.motion[cell].angular.cast<double>());
+  });
 }
 
 }  // namespace kappaflow

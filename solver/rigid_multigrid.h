@@ -4,16 +4,15 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/parallel.h"
 #include "solver/boundary.h"
 #include "solver/fluid_particles.h"
+#include "solver/lanes.h"
 #include "solver/neighbours.h"
 #include "solver/rigid_level.h"
 #include "solver/viscous_forces.h"
 
 namespace kappaflow {
-
-/// xx, yy, zz, yz, xz, xy
-using SymmetricMatrix = std::array<float, 6>;
 
 /// M^-1 = D^-1 + P C P^T for the system A = I + dt L (see viscous_forces.h): D are A's 3x3 diagonal blocks, P
 /// takes rigid motions of cells to velocities, C is one V-cycle on P^T A P, whose coarser levels are the
@@ -31,24 +30,47 @@ class RigidMultigrid {
   void build(const ViscousForces& forces, const FluidParticles& particles, const NeighbourLists& lists,
              const WallSums& walls, float time_step);
 
-  /// Finds the cells' motions C P^T r, for r one vector a particle.
-  void solve(const FluidParticles& particles, const std::vector<Vec4f>& r);
-  /// (M^-1 r)_i, after solve(); 0 for particles that take no part.
-  Vec4f times(const FluidParticles& particles, const std::vector<Vec4f>& r, std::size_t i) const;
+  /// M^-1 r in three steps, r one vector a particle: restrict_to() for every cell, solve(), times() for every
+  /// particle. The first: P^T r of one cell. Returns r . D^-1 r of its particles.
+  double restrict_to(std::size_t cell, const FluidParticles& particles, const std::vector<Vec4f>& r);
+  /// The second: finds the motions m = C P^T r. Returns r . P m.
+  double solve();
+  /// The third: calls visit(i, (M^-1 r)_i) for the particles of a cell.
+  template <class Visit>
+  void for_solutions(std::size_t cell, const FluidParticles& particles, const std::vector<Vec4f>& r,
+                     const Visit& visit) const;
+  /// (D^-1 r)_i.
+  Vec4f block_times(std::size_t i, const Vec4f& r) const {
+    const float* const m = inverse_diagonal_[i].data();
+    const Vec4f diagonal = Eigen::Map<const Vec4f>(m), zz_yz_xz_xy = Eigen::Map<const Vec4f>(m + 2);
+    return diagonal.cwiseProduct(r) +
+           shuffled<3, 1, 2, 0>(zz_yz_xz_xy).cwiseProduct(shuffled<1, 2, 0, 3>(r)) +
+           shuffled<2, 3, 1, 0>(zz_yz_xz_xy).cwiseProduct(shuffled<2, 0, 1, 3>(r));
+  }
 
-  bool takes_part(std::size_t i) const { return cell_of_[i] != RigidLevel::kNone; }
-  /// Where the particle takes part.
-  std::uint32_t cell_of(std::size_t i) const { return cell_of_[i]; }
   /// The connected component of each cell, by its first cell.
-  std::vector<std::uint32_t> components() const { return finest().components(!weak_); }
+  void find_components(std::vector<std::uint32_t>& component) const {
+    finest().find_components(!weak_, component);
+  }
   bool any_led() const { return any_led_; }
   double spacing() const { return spacing_; }
   const RigidLevel& finest() const { return levels_.front(); }
+  std::size_t cells() const { return finest().cells(); }
   /// Calls visit(i) for the particles of a cell that take part.
   template <class Visit>
   void for_particles(std::size_t cell, const Visit& visit) const {
     for (std::uint32_t k = first_run_[cell]; k < first_run_[cell + 1]; ++k)
       for (std::uint32_t i = runs_[k].begin; i < runs_[k].end; ++i) visit(i);
+  }
+  /// Calls work(cell), in parallel.
+  template <class Work>
+  void for_cells(const Work& work) const {
+    parallel_for(cells(), work, kCellGrain);
+  }
+  /// Sum over the cells of value(cell).
+  template <class T, class Value>
+  T sum_over_cells(const T& zero, const Value& value) const {
+    return parallel_sum(cells(), zero, value, kCellGrain);
   }
 
   std::size_t bytes() const;
@@ -59,23 +81,39 @@ class RigidMultigrid {
     std::uint64_t key;
     std::uint32_t begin, end;
   };
-  class WideSquares;
   class CellSums;
+  static constexpr std::size_t kCellGrain = 4;  // cells that a task works on
 
   void find_runs(const ViscousForces& forces, const FluidParticles& particles);
   void find_cells();
   void find_centre(const FluidParticles& particles, std::size_t cell);
+  /// From the cell's centre.
+  Vec4f arm(std::size_t cell, const Vec4f& x) const {
+    const Vec4f arm = x - finest().centre[cell];
+    return {arm[0], arm[1], arm[2], 0};
+  }
 
   double spacing_;
   Vec4f lower_ = Vec4f::Zero();  // corner of the grid [m]
   std::vector<Run> runs_;
   std::vector<std::uint32_t> first_run_;  // of a cell
-  std::vector<std::uint32_t> cell_of_;    // by particle; kNone: takes no part
   std::vector<SymmetricMatrix> inverse_diagonal_;
   std::vector<RigidLevel> levels_;  // from fine to coarse
   std::size_t depth_ = 0;           // levels in use; 0: M is D
   bool any_led_ = false;
   bool weak_ = false;  // viscosity: D^-1 alone is as good, and cells that touch are not coupled
 };
+
+template <class Visit>
+void RigidMultigrid::for_solutions(std::size_t cell, const FluidParticles& particles,
+                                   const std::vector<Vec4f>& r, const Visit& visit) const {
+  if (depth_ == 0) return for_particles(cell, [&](std::size_t i) { visit(i, block_times(i, r[i])); });
+  const RigidVector& motion = finest().motion[cell];
+  const Vec4f velocity(motion.linear[0], motion.linear[1], motion.linear[2], 0);
+  const Vec4f turning(motion.angular[0], motion.angular[1], motion.angular[2], 0);
+  for_particles(cell, [&](std::size_t i) {
+    visit(i, block_times(i, r[i]) + (velocity + cross(turning, arm(cell, particles.position[i]))));
+  });
+}
 
 }  // namespace kappaflow

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/parallel.h"
+#include "solver/lanes.h"
 
 namespace kappaflow {
 namespace {
@@ -59,7 +60,7 @@ Vec4f SurfaceTension::acceleration(std::size_t i, const FluidParticles& particle
     sum_y += across * my + along * y;
     sum_z += across * mz + along * z;
   }
-  return {-sum_x.sum(), -sum_y.sum(), -sum_z.sum(), 0};
+  return -sums(sum_x, sum_y, sum_z);
 }
 
 void SurfaceTension::apply(FluidParticles& particles, const NeighbourLists& lists, float time_step) const {

@@ -9,6 +9,7 @@
 #include "solver/fluid_particles.h"
 #include "solver/neighbours.h"
 #include "solver/options.h"
+#include "solver/rigid_balance.h"
 #include "solver/rigid_multigrid.h"
 #include "solver/viscous_forces.h"
 
@@ -23,7 +24,7 @@ struct ViscositySolve {
 /// Solves A v = v* + dt f, A = I + dt L, for the new velocities v, where f - L v is the viscous acceleration
 /// (see viscous_forces.h). The particles that an emitter leads keep their velocity; the others are solved for
 /// by conjugate gradients, preconditioned by RigidMultigrid, starting from the velocities after the last
-/// solve. What is left unsolved changes neither linear nor angular momentum: see balance_momentum().
+/// solve. What is left unsolved changes neither linear nor angular momentum: see MomentumBalance.
 ///
 /// They end when the root mean square error e of the velocities is tolerated:
 ///   e <= FluidOptions::viscosity_tolerance * clamp(min(|v - v*|, |v|), 0.1 g dt, g dt),
@@ -43,17 +44,17 @@ class ViscositySolver {
   void apply(const FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,
              float time_step, const std::vector<Vec4f>& u, std::vector<Vec4f>& result) const;
 
-  std::size_t bytes() const { return preconditioner_.bytes(); }
+  std::size_t bytes() const { return preconditioner_.bytes() + balance_.bytes(); }
 
  private:
   class ConjugateGradients;
   struct Squares;
-  struct Progress;
 
   double tolerated(const Squares& squares, double time_step) const;
 
   ViscousForces forces_;
   RigidMultigrid preconditioner_;
+  MomentumBalance balance_;
   double gravity_;    // [m/s2]
   double tolerance_;  // of the velocities' error
   int max_iterations_;

@@ -6,6 +6,7 @@
 
 #include "solver/boundary.h"
 #include "solver/fluid_particles.h"
+#include "solver/lanes.h"
 #include "solver/neighbours.h"
 #include "solver/options.h"
 
@@ -17,16 +18,27 @@ namespace kappaflow {
 /// support^2) of Weiler et al. 2018, Eq. 8, makes a cubic lattice, with which liquid starts and which slow
 /// flow keeps, 0.70 times as viscous as it should be in shear along its axes and 1.23 times at 45 degrees.
 /// The three coefficients here make the fourth moment isotropic and right on the lattice of the spacing, and
-/// right for a continuum of particles. T is float or Wide.
-template <class T>
-[[gnu::always_inline]] inline T viscosity_weight(const T& r2, float support) {
-  const float square = support * support;
-  const T s = 1.0f - r2 * (1 / square);
-  return (16 / (square * square)) * s * (0.56891262f + s * (5.23485966f * s - 2.36495851f));
-}
+/// right for a continuum of particles.
+class ViscosityWeight {
+ public:
+  explicit ViscosityWeight(float support) : inverse_square_(1 / (support * support)) {}
 
-/// xx, yy, zz, yz, xz, xy
-using SymmetricMatrix = std::array<float, 6>;
+  /// c at the squared distance r2, up to the support. T is float or Wide.
+  template <class T>
+  T operator()(const T& r2) const {
+    return scale() * shape(r2);
+  }
+  /// c over scale().
+  template <class T>
+  [[gnu::always_inline]] T shape(const T& r2) const {
+    const T s = 1.0f - r2 * inverse_square_;
+    return s * (0.56891262f + s * (5.23485966f * s - 2.36495851f));
+  }
+  float scale() const { return 16 * inverse_square_ * inverse_square_; }
+
+ private:
+  float inverse_square_;
+};
 
 /// The viscous acceleration is f - L v [m/s2]:
 ///   (L v)_i = sum_j nu_ij c_ij x_ij (x_ij . v_ij) + nu_i' g_i (I - n n^T) v_i,
@@ -40,20 +52,22 @@ class ViscousForces {
   /// Whether no fluid is viscous.
   bool none() const;
   float largest_viscosity() const;  ///< [m2/s]
-  /// Whether the particle feels viscous forces.
+  /// Whether viscous forces can change the particle's velocity: it is viscous and not led.
   bool act_on(std::size_t i, const FluidParticles& particles) const {
+    if (particles.led_by[i] != 0) return false;
     return wall_viscosity_[particles.fluid[i]] > 0 || pair_viscosity_[particles.fluid[i] * (fluids_ + 1)] > 0;
   }
 
-  /// Calls visit(block, x, w) for the blocks of particle i's neighbours: x = x_ij [m], w = nu_ij c_ij
+  /// Calls visit(block, x, w, x_j) for the blocks of particle i's neighbours: x = x_ij [m], w = nu_ij c_ij
   /// [1/(m2 s)], 0 for padding.
   template <class Visit>
-  void for_pairs(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists,
-                 const Visit& visit) const;
+  [[gnu::always_inline]] void for_pairs(std::size_t i, const FluidParticles& particles,
+                                        const NeighbourLists& lists, const Visit& visit) const;
 
   /// (L v)_i for one vector a particle.
-  Vec4f resistance(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists,
-                   const WallSums& walls, const std::vector<Vec4f>& v) const;
+  [[gnu::always_inline]] Vec4f resistance(std::size_t i, const FluidParticles& particles,
+                                          const NeighbourLists& lists, const WallSums& walls,
+                                          const std::vector<Vec4f>& v) const;
   /// nu_i' g_i (I - n n^T) u, the walls' part of it.
   Vec4f wall_drag(std::size_t i, const FluidParticles& particles, const WallSums& walls,
                   const Vec4f& u) const {
@@ -67,28 +81,54 @@ class ViscousForces {
   }
 
  private:
-  /// nu_ij of a particle of `fluid` and the eight of the block [m2/s].
-  Wide viscosities(std::uint8_t fluid, const FluidParticles& particles, const PairBlock& block) const;
+  /// Of a particle of `fluid` and the eight of the block.
+  Wide pair_scales(std::uint8_t fluid, const FluidParticles& particles, const PairBlock& block) const;
 
-  float support_;  // of the kernel [m]
+  ViscosityWeight weight_;
   std::size_t fluids_;
   std::vector<float> pair_viscosity_;  // kinematic, by i and j: the harmonic mean [m2/s]
+  std::vector<float> pair_scale_;      // times the weight's scale
   std::vector<float> wall_viscosity_;  // by i: the same times d / (d + slip length), d the contact distance
 };
+
+inline Wide ViscousForces::pair_scales(std::uint8_t fluid, const FluidParticles& particles,
+                                       const PairBlock& block) const {
+  const float* with = pair_scale_.data() + fluid * fluids_;
+  Wide result;
+  for (int k = 0; k < kWide; ++k)
+    result[k] = with[particles.fluid[block.base + block.offset[static_cast<std::size_t>(k)]]];
+  return result;
+}
 
 template <class Visit>
 inline void ViscousForces::for_pairs(std::size_t i, const FluidParticles& particles,
                                      const NeighbourLists& lists, const Visit& visit) const {
   const Vec4f xi = particles.position[i];
-  Wide viscosity = Wide::Constant(pair_viscosity_.front());
+  Wide scale = Wide::Constant(pair_scale_.front());
   for (const PairBlock& block : lists.of(i)) {
     const WideVec xj = gather(particles.position, block);
     const Wide x = xi[0] - xj.x, y = xi[1] - xj.y, z = xi[2] - xj.z;
     const Wide r2 = x * x + y * y + z * z;
-    if (fluids_ > 1) viscosity = viscosities(particles.fluid[i], particles, block);
-    const Wide weight = viscosity * block.present() * viscosity_weight<Wide>(r2, support_);
-    visit(block, WideVec{x, y, z, r2}, weight);
+    if (fluids_ > 1) scale = pair_scales(particles.fluid[i], particles, block);
+    const Wide weight = scale * block.present() * weight_.shape(r2);
+    visit(block, WideVec{x, y, z, r2}, weight, xj);
   }
+}
+
+inline Vec4f ViscousForces::resistance(std::size_t i, const FluidParticles& particles,
+                                       const NeighbourLists& lists, const WallSums& walls,
+                                       const std::vector<Vec4f>& v) const {
+  const Vec4f vi = v[i];
+  Wide sum_x = Wide::Zero(), sum_y = Wide::Zero(), sum_z = Wide::Zero();
+  for_pairs(
+      i, particles, lists, [&](const PairBlock& block, const WideVec& x, const Wide& weight, const WideVec&) {
+        const WideVec vj = gather(v, block);
+        const Wide scale = weight * (x.x * (vi[0] - vj.x) + x.y * (vi[1] - vj.y) + x.z * (vi[2] - vj.z));
+        sum_x += scale * x.x;
+        sum_y += scale * x.y;
+        sum_z += scale * x.z;
+      });
+  return sums(sum_x, sum_y, sum_z) + wall_drag(i, particles, walls, vi);
 }
 
 }  // namespace kappaflow

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/parallel.h"
+#include "solver/lanes.h"
 #include "solver/pressure.h"
 
 namespace kappaflow {
@@ -73,7 +74,7 @@ void ViscousPressure::spread(FluidParticles& particles, const NeighbourLists& li
       sum_y += scale * y;
       sum_z += scale * z;
     }
-    particles.velocity[i] -= time_step * kSpread * Vec4f(sum_x.sum(), sum_y.sum(), sum_z.sum(), 0);
+    particles.velocity[i] -= time_step * kSpread * sums(sum_x, sum_y, sum_z);
   });
 }
 

@@ -166,12 +166,12 @@ TEST(Viscosity, OperatorIsTheLaplacianOnALattice) {
 // For particles anywhere with the mean density 1 / spacing^3 the sum over neighbours is an integral, and its
 // (x y)^2 moment that of the Laplacian: sum_j c x^2 y^2 = 4 pi / 15 int c r^6 dr / spacing^3 = 2.
 TEST(Viscosity, WeightIsNormalisedInTheContinuum) {
-  const float support = 2;
+  const ViscosityWeight weight(2);
   double sum = 0, least = 1;
   const int n = 2000;
   for (int k = 0; k < n; ++k) {
     const double r = 2 * (k + 0.5) / n;
-    const double c = static_cast<double>(viscosity_weight(static_cast<float>(r * r), support));
+    const double c = static_cast<double>(weight(static_cast<float>(r * r)));
     sum += 4 * M_PI / 15 * c * std::pow(r, 6) * 2 / n;
     least = std::min(least, c);
   }
