@@ -152,12 +152,8 @@ void MomentumBalance::restore(const RigidMultigrid& multigrid, const ViscousForc
     parallel_for(
         cells.size(),
         [&](std::size_t k) {
-          Vec3 carried = Vec3::Zero();  // what rounding has taken from the particles before
-          multigrid.for_particles(cells[k], [&](std::size_t i) {
-            const Vec3 exact = in_double(v[i]) + q.head<3>() + q.tail<3>().cross(arm(i)) + carried;
-            v[i] = padded(exact);
-            carried = exact - in_double(v[i]);
-          });
+          multigrid.for_particles(
+              cells[k], [&](std::size_t i) { v[i] += padded(q.head<3>() + q.tail<3>().cross(arm(i))); });
         },
         kBalanceGrain);
   });
