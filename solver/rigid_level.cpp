@@ -198,11 +198,19 @@ void RigidLevel::add_link(const RigidLevel& finer, std::size_t cell, std::uint32
           rigid::matrix_from(finer.coupling[k], (finer.centre[finer.links[k].from] - centre[cell]).head<3>());
 }
 
+/// Moving a link's S to the cell's centre rounds what it has of turning: by a share of what the force between
+/// the centres would have, which is much for a cell of one particle, whose own share is nothing.
 RigidMatrix RigidLevel::diagonal(std::uint32_t cell) const {
   RigidMatrix sum = anchor[cell];
-  for (std::uint32_t k = first_link[cell]; k < first_link[cell + 1]; ++k) sum += coupling[k];
+  float moved = 0;
+  const auto add = [&](const RigidMatrix& matrix, std::uint32_t other) {
+    sum += matrix;
+    moved += (matrix.force[0] + matrix.force[1] + matrix.force[2]) * arm(cell, other).squaredNorm();
+  };
+  for (std::uint32_t k = first_link[cell]; k < first_link[cell + 1]; ++k) add(coupling[k], links[k].to);
   for (const std::uint32_t k : links_to(cell))
-    sum += rigid::matrix_from(coupling[k], arm(links[k].from, cell));
+    add(rigid::matrix_from(coupling[k], arm(links[k].from, cell)), links[k].from);
+  for (std::size_t k = 0; k < 3; ++k) sum.turning[k] += static_cast<float>(kUncertainty) * moved;
   return sum;
 }
 

@@ -116,6 +116,23 @@ TEST(Viscosity, LeavesRigidMotionAlone) {
     EXPECT_LT((liquid.particles.velocity[i] - padded(velocity[liquid.particles.id[i]])).norm(), 2e-5);
 }
 
+// Cells of every width that hold one particle alone, beside cells of many: what such a one has of turning is
+// less than what rounding leaves of its neighbours' moments.
+TEST(Viscosity, OneParticleBesideABlockIsSolvedForAtAnyViscosity) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> along(0.05, 1.55), near(0.5, 1.3);
+  const double spacing = static_cast<double>(kSpacing);
+  for (int k = 0; k < 12; ++k) {
+    std::vector<Vec3> points = test::block(Vec3::Zero(), Vec3::Constant(1.6), spacing);
+    points.emplace_back(1.55 + near(random) * spacing, along(random), along(random));
+    Liquid liquid(points, swirling(points), kSpacing);
+    const ViscositySolve solve = ViscositySolver(options(std::pow(10, k % 6), 1e-2))
+                                     .solve(liquid.particles, liquid.lists, liquid.wall_sums, kTimeStep);
+    EXPECT_LE(solve.error, 1) << k;
+    for (const Vec4f& v : liquid.particles.velocity) ASSERT_TRUE(v.allFinite()) << k;
+  }
+}
+
 TEST(Viscosity, ConservesLinearAndAngularMomentumAtALooseTolerance) {
   const auto points = test::blob(0.35, static_cast<double>(kSpacing));
   Liquid liquid(points, swirling(points), kSpacing);
