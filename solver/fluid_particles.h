@@ -13,6 +13,15 @@ namespace kappaflow {
 /// Columns of a 3x3 matrix, each padded to one register; times a 3-vector it gives a padded vector.
 using Mat43f = Eigen::Matrix<float, 4, 3>;
 
+/// In half precision.
+using Vec4h = Eigen::Matrix<Eigen::half, 4, 1>;
+
+/// v in half precision, too large numbers as the largest.
+inline Vec4h halved(const Vec4f& v) {
+  constexpr float most = 65504;
+  return v.cwiseMax(-most).cwiseMin(most).cast<Eigen::half>();
+}
+
 /// v in single precision with a fourth component of 0.
 inline Vec4f padded(const Vec3& v) {
   const Eigen::Vector3f f = v.cast<float>();
@@ -23,15 +32,19 @@ inline Vec4f padded(const Vec3& v) {
 struct FluidParticles {
   // The state: carried from step to step, permuted when the particles are sorted.
   std::vector<std::uint32_t> id;
-  std::vector<Vec4f> position;             ///< [m]; w: kappa of the pressure solve that runs, see pressure.h
-  std::vector<Vec4f> velocity;             ///< [m/s]
-  std::vector<Vec4f> viscous_velocity;     ///< after the last step's viscosity [m/s]; starts the next solve
+  std::vector<Vec4f> position;          ///< [m]; w: kappa of the pressure solve that runs, see pressure.h
+  std::vector<Vec4f> velocity;          ///< [m/s]
+  std::vector<Vec4f> viscous_velocity;  ///< after the last step's viscosity [m/s]; starts the next solve
+  /// Its change in the last step over that step, which serves a first guess [m/s2].
+  std::vector<Vec4h> viscous_acceleration;
   std::vector<float> density_pressure;     ///< kappa of the constant-density solve [m2/s2], see pressure.h
   std::vector<float> divergence_pressure;  ///< kappa of the divergence-free solve [m2/s2]
   std::vector<float> least_pressure;  ///< least kappa of the former, <= 0, see viscous_pressure.h [m2/s2]
   std::vector<std::uint8_t> fluid;    ///< which of the fluids of FluidOptions it belongs to
   std::vector<std::uint8_t> led_by;   ///< 0: free; k + 1: keeps the velocity of emitter k
-  std::vector<int> source;            ///< where it comes from, by the caller's numbers
+
+  /// By id, so that nothing is to be permuted: where it comes from, by the caller's numbers.
+  std::vector<int> source;
 
   // What follows from the positions: recomputed after every move.
   std::vector<float> density;              ///< over the rest density [1]
@@ -47,14 +60,14 @@ struct FluidParticles {
   /// See core/saved_state.h.
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(id, position, velocity, viscous_velocity, density_pressure, divergence_pressure, least_pressure,
-            fluid, led_by, source);
+    archive(id, position, velocity, viscous_velocity, viscous_acceleration, density_pressure,
+            divergence_pressure, least_pressure, fluid, led_by, source);
   }
 
   std::size_t bytes() const {
-    return bytes_of(id, position, velocity, viscous_velocity, density_pressure, divergence_pressure,
-                    least_pressure, fluid, led_by, source, density, gradient_sum, gradient_square_sum,
-                    scratch[0], scratch[1], scratch[2], scalar_scratch);
+    return bytes_of(id, position, velocity, viscous_velocity, viscous_acceleration, density_pressure,
+                    divergence_pressure, least_pressure, fluid, led_by, source, density, gradient_sum,
+                    gradient_square_sum, scratch[0], scratch[1], scratch[2], scalar_scratch);
   }
 
   /// Appends a particle without pressure; its id is the number of those before.
@@ -63,6 +76,7 @@ struct FluidParticles {
     position.push_back(padded(x));
     velocity.push_back(padded(v));
     viscous_velocity.push_back(padded(v));
+    viscous_acceleration.push_back(Vec4h::Zero());
     density_pressure.push_back(0);
     divergence_pressure.push_back(0);
     least_pressure.push_back(0);

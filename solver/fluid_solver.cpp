@@ -339,7 +339,7 @@ template void FluidSolver::serialize(StateReader&);
 SolverMemory FluidSolver::memory() const {
   const State& s = *state_;
   return {s.particles.bytes() + s.search.bytes() + s.neighbours.bytes() + s.wall_sums.bytes() +
-              s.viscosity.bytes() + s.viscous_pressure.bytes(),
+              s.viscosity.bytes(),
           s.walls.bytes(), s.walls.size()};
 }
 
@@ -390,10 +390,7 @@ std::vector<std::uint8_t> FluidSolver::fluids() const {
 }
 
 std::vector<int> FluidSolver::sources() const {
-  const FluidParticles& p = state_->particles;
-  std::vector<int> result(size());
-  for (std::size_t i = 0; i < size(); ++i) result[p.id[i]] = p.source[i];
-  return result;
+  return state_->particles.source;
 }
 
 }  // namespace kappaflow

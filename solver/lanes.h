@@ -2,26 +2,37 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <cstring>
 
 #include "core/wide.h"
 
 namespace kappaflow {
 
+/// The same numbers as Wide, as the compiler's own vector.
+using Eight [[gnu::vector_size(32)]] = float;
+using EightInts [[gnu::vector_size(32)]] = std::int32_t;
+
+inline Eight eight_of(const Wide& lanes) {
+  Eight eight;
+  std::memcpy(&eight, lanes.data(), sizeof eight);
+  return eight;
+}
+
+inline Wide wide_of(const Eight& eight) {
+  Wide lanes;
+  std::memcpy(lanes.data(), &eight, sizeof eight);
+  return lanes;
+}
+
 /// (sum of x, sum of y, sum of z, 0)
 inline Vec4f sums(const Wide& x, const Wide& y, const Wide& z) {
   using Four [[gnu::vector_size(16)]] = float;
-  using Eight [[gnu::vector_size(32)]] = float;
-  const auto read = [](const Wide& lanes) {
-    Eight eight;
-    std::memcpy(&eight, lanes.data(), sizeof eight);
-    return eight;
-  };
   const auto folded = [](const Eight& a, const Eight& b) {  // a, b, a, b in either half
     return __builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13) +
            __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15);
   };
-  const Eight xy = folded(read(x), read(y)), zo = folded(read(z), Eight{});
+  const Eight xy = folded(eight_of(x), eight_of(y)), zo = folded(eight_of(z), Eight{});
   const Eight both = __builtin_shufflevector(xy, zo, 0, 1, 8, 9, 4, 5, 12, 13) +
                      __builtin_shufflevector(xy, zo, 2, 3, 10, 11, 6, 7, 14, 15);
   const Four sum =
@@ -29,6 +40,25 @@ inline Vec4f sums(const Wide& x, const Wide& y, const Wide& z) {
   Vec4f result;
   std::memcpy(result.data(), &sum, sizeof sum);
   return result;
+}
+
+/// Rows to columns: row k becomes the k-th of each.
+[[gnu::always_inline]] inline void transpose(std::array<Eight, 8>& rows) {
+  std::array<Eight, 8> pairs;
+  for (std::size_t k = 0; k < 8; k += 2) {
+    pairs[k] = __builtin_shufflevector(rows[k], rows[k + 1], 0, 8, 1, 9, 4, 12, 5, 13);
+    pairs[k + 1] = __builtin_shufflevector(rows[k], rows[k + 1], 2, 10, 3, 11, 6, 14, 7, 15);
+  }
+  for (std::size_t k : {0, 1, 4, 5}) {
+    const std::size_t to = k / 4 * 4 + k % 4 * 2;
+    rows[to] = __builtin_shufflevector(pairs[k], pairs[k + 2], 0, 1, 8, 9, 4, 5, 12, 13);
+    rows[to + 1] = __builtin_shufflevector(pairs[k], pairs[k + 2], 2, 3, 10, 11, 6, 7, 14, 15);
+  }
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Eight low = rows[k], high = rows[k + 4];
+    rows[k] = __builtin_shufflevector(low, high, 0, 1, 2, 3, 8, 9, 10, 11);
+    rows[k + 4] = __builtin_shufflevector(low, high, 4, 5, 6, 7, 12, 13, 14, 15);
+  }
 }
 
 /// (v[a], v[b], v[c], v[d])

@@ -92,15 +92,32 @@ void NeighbourSearch::permute(std::vector<T>& array, std::vector<T>& buffer) con
   array.swap(buffer);
 }
 
+template <class T, class Wider, class Widen, class Narrow>
+void NeighbourSearch::permute_in_wider(std::vector<T>& array, std::vector<Wider>& buffer, const Widen& widen,
+                                       const Narrow& narrow) const {
+  buffer.resize(array.size());
+  const auto order = grid_.order();
+  parallel_for(
+      array.size(), [&](std::size_t i) { buffer[i] = widen(array[order[i]]); }, 4096);
+  parallel_for(
+      array.size(), [&](std::size_t i) { array[i] = narrow(buffer[i]); }, 4096);
+}
+
 void NeighbourSearch::sort(FluidParticles& particles) {
   grid_.build(std::span<const Vec4f>(particles.position), kernel_.support());
   permute(particles.id, id_buffer_);
   for (auto* array : {&particles.position, &particles.velocity, &particles.viscous_velocity})
     permute(*array, particles.scratch[0]);
+  permute_in_wider(
+      particles.viscous_acceleration, particles.scratch[0],
+      [](const Vec4h& a) -> Vec4f { return a.cast<float>(); },
+      [](const Vec4f& a) -> Vec4h { return a.cast<Eigen::half>(); });
   for (auto* array : {&particles.density_pressure, &particles.divergence_pressure, &particles.least_pressure})
     permute(*array, particles.scalar_scratch);
-  for (auto* array : {&particles.fluid, &particles.led_by}) permute(*array, byte_buffer_);
-  permute(particles.source, source_buffer_);
+  for (auto* array : {&particles.fluid, &particles.led_by})
+    permute_in_wider(
+        *array, id_buffer_, [](std::uint8_t byte) -> std::uint32_t { return byte; },
+        [](std::uint32_t byte) { return static_cast<std::uint8_t>(byte); });
 }
 
 void NeighbourSearch::find_in_chunk(std::size_t chunk, const FluidParticles& particles,

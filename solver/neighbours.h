@@ -63,11 +63,11 @@ class NeighbourSearch {
   /// sort().
   void find(FluidParticles& particles, NeighbourLists& lists);
 
-  std::size_t bytes() const { return grid_.bytes() + bytes_of(id_buffer_, byte_buffer_, source_buffer_); }
+  std::size_t bytes() const { return grid_.bytes() + bytes_of(id_buffer_); }
 
  private:
   static constexpr std::size_t kChunk = 128;    // particles whose neighbours one task finds
-  static constexpr std::size_t kHeadroom = 32;  // the lists grow by this fraction more than needed
+  static constexpr std::size_t kHeadroom = 64;  // the lists grow by this fraction more than needed
 
   /// What a thread needs to find the neighbours of a chunk of particles.
   struct Scratch {
@@ -93,14 +93,16 @@ class NeighbourSearch {
                 std::span<const std::uint32_t> found, std::span<PairBlock> blocks) const;
   template <class T>
   void permute(std::vector<T>& array, std::vector<T>& buffer) const;
+  /// By way of a buffer of wider numbers, which serves others too.
+  template <class T, class Wider, class Widen, class Narrow>
+  void permute_in_wider(std::vector<T>& array, std::vector<Wider>& buffer, const Widen& widen,
+                        const Narrow& narrow) const;
 
   CubicSpline kernel_;
   float volume_, unit_;  // unit_: NeighbourLists::unit
   CellGrid grid_;
   tbb::enumerable_thread_specific<Scratch> scratch_;
   std::vector<std::uint32_t> id_buffer_;
-  std::vector<std::uint8_t> byte_buffer_;
-  std::vector<int> source_buffer_;
 };
 
 }  // namespace kappaflow

@@ -11,7 +11,8 @@ namespace kappaflow {
 namespace {
 
 constexpr std::size_t kCellGrain = 16, kParentGrain = 2;  // cells that a task works on
-constexpr std::size_t kHeadroom = 16;                     // matrices grow by this fraction more than needed
+constexpr std::size_t kHeadroom = 32;                     // matrices grow by this fraction more than needed
+constexpr std::size_t kNeighboursAfter = 13;
 constexpr std::int64_t kLastPlace = (std::int64_t{1} << RigidLevel::kBitsOfPlace) - 1;
 
 // Sums in single precision are uncertain by about this share; blocks are made so much stiffer, lest one that
@@ -89,7 +90,7 @@ std::array<std::int64_t, 3> RigidLevel::place_of(std::uint64_t key) {
 
 std::size_t RigidLevel::bytes() const {
   return bytes_of(key, centre, first_link, links, coupling, anchor, load, motion, parent_, first_child_,
-                  first_in_row_, row_, first_of_colour_, coloured_, after_, end_, inverse_);
+                  first_in_row_, row_, first_of_colour_, coloured_, end_, inverse_);
 }
 
 void RigidLevel::reset() {
@@ -107,23 +108,32 @@ void RigidLevel::make_room() {
 }
 
 void RigidLevel::link_cells() {
-  after_.resize(cells());
-  parallel_for(cells(), [this](std::size_t cell) {
+  std::vector<std::uint32_t>& after = row_;  // thirteen a cell, before it takes the links
+  after.resize(kNeighboursAfter * cells());
+  parallel_for(cells(), [&](std::size_t cell) {
     const auto place = place_of(key[cell]);
-    for (int k = 0; k < 13; ++k) {
-      const auto other = neighbour_after(place, k);
+    for (std::size_t k = 0; k < kNeighboursAfter; ++k) {
+      const auto other = neighbour_after(place, static_cast<int>(k));
       const bool exists =
           std::ranges::all_of(other, [](std::int64_t c) { return c >= 0 && c <= kLastPlace; });
-      after_[cell][static_cast<std::size_t>(k)] = exists ? find(key, key_of(other)) : kNone;
+      after[kNeighboursAfter * cell + k] = exists ? find(key, key_of(other)) : kNone;
     }
   });
-  first_link.assign(1, 0);
-  links.clear();
-  for (std::uint32_t cell = 0; cell < cells(); ++cell) {
-    for (const std::uint32_t other : after_[cell])
-      if (other != kNone) links.push_back({cell, other});
-    first_link.push_back(static_cast<std::uint32_t>(links.size()));
+  const auto neighbours_after = [&](std::size_t cell) {
+    return std::span(after).subspan(kNeighboursAfter * cell, kNeighboursAfter);
+  };
+  first_link.resize(cells() + 1);
+  first_link.front() = 0;
+  for (std::size_t cell = 0; cell < cells(); ++cell) {
+    const auto missing = std::ranges::count(neighbours_after(cell), kNone);
+    first_link[cell + 1] = first_link[cell] + static_cast<std::uint32_t>(kNeighboursAfter - missing);
   }
+  make_room_for(links, first_link.back());
+  parallel_for(cells(), [&](std::size_t cell) {
+    std::uint32_t k = first_link[cell];
+    for (const std::uint32_t other : neighbours_after(cell))
+      if (other != kNone) links[k++] = {static_cast<std::uint32_t>(cell), other};
+  });
 }
 
 void RigidLevel::find_rows() {

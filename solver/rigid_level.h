@@ -92,8 +92,7 @@ class RigidLevel {
   std::vector<std::uint32_t> first_child_;         // in the finer level
   std::vector<std::uint32_t> first_in_row_, row_;  // the links to a cell
   std::vector<std::uint32_t> first_of_colour_, coloured_;
-  std::vector<std::array<std::uint32_t, 13>> after_;  // cells, while links are found
-  std::vector<std::uint32_t> end_;                    // of rows or colours, while they are filled
+  std::vector<std::uint32_t> end_;  // of rows or colours, while they are filled
   std::vector<RigidMatrix> inverse_;
 };
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <utility>
 
 namespace kappaflow {
@@ -90,29 +91,35 @@ class RigidMultigrid::CellSums {
 
  private:
   static constexpr int kLed = 8;  // in place of the octant: a particle that is led
+  using Octants = std::array<std::int32_t, kWide>;
 
   void find_borders(const Vec4f& x);
   /// Notes those of the pairs that are between two cells, or with a particle that is led.
   [[gnu::always_inline]] void couple(const PairBlock& block, const WideVec& xj, const Wide& weight,
                                      const WideSquares& squares) {
-    Wide octant = beyond(xj.x, 0) + beyond(xj.y, 1) + beyond(xj.z, 2);
+    Octants octant = octants(xj);
     if (grid_.any_led_) find_led(block, weight, octant);
-    if ((octant == 0).all()) return;
-    for (int k = 0; k < kWide; ++k) {
-      if (octant[k] == 0) continue;
-      const int into = static_cast<int>(octant[k]);
-      for (std::size_t a = 0; a < 6; ++a) (into == kLed ? led_[a] : squares_[a][into]) += squares[a][k];
-    }
+    if (std::ranges::all_of(octant, [](std::int32_t o) { return o == 0; })) return;
+    std::array<Eight, 8> of_pairs{};
+    for (std::size_t k = 0; k < 6; ++k) of_pairs[k] = eight_of(squares[k]);
+    transpose(of_pairs);
+    for (std::size_t k = 0; k < kWide; ++k) squares_[static_cast<std::size_t>(octant[k])] += of_pairs[k];
+  }
+  Octants octants(const WideVec& xj) const {
+    const EightInts sum = beyond(xj.x, 0) + beyond(xj.y, 1) + beyond(xj.z, 2);
+    Octants result;
+    std::memcpy(result.data(), &sum, sizeof sum);
+    return result;
   }
   /// 2^axis beyond the border, else 0.
-  Wide beyond(const Wide& x, std::size_t axis) const {
-    const Wide at = (x - grid_.lower_[static_cast<int>(axis)]) * inverse_width_;
+  EightInts beyond(const Wide& x, std::size_t axis) const {
+    const Eight at = (eight_of(x) - grid_.lower_[static_cast<int>(axis)]) * inverse_width_;
     const auto& [border, above, below] = borders_[axis];
-    return (at >= border).select(Wide::Constant(above), below);
+    return ((at >= border) & above) | ((at < border) & below);
   }
-  void find_led(const PairBlock& block, const Wide& weight, Wide& octant) const {
-    for (int k = 0; k < kWide; ++k)
-      if (weight[k] > 0 && particles_.led_by[block.base + block.offset[static_cast<std::size_t>(k)]] != 0)
+  void find_led(const PairBlock& block, const Wide& weight, Octants& octant) const {
+    for (std::size_t k = 0; k < kWide; ++k)
+      if (weight[static_cast<int>(k)] > 0 && particles_.led_by[block.base + block.offset[k]] != 0)
         octant[k] = kLed;
   }
   void add_squares(std::size_t i, const SymmetricMatrix& drag);
@@ -132,12 +139,12 @@ class RigidMultigrid::CellSums {
 
   // Of one particle.
   struct Border {
-    float at, above, below;  // in widths of a cell; what beyond() is on either side of it
+    float at;                   // in widths of a cell
+    std::int32_t above, below;  // what beyond() is on either side of it
   };
   std::array<Border, 3> borders_;
   std::size_t side_ = 0;
-  WideSquares squares_;    // of the octants
-  SymmetricMatrix led_{};  // of the particles that are led
+  std::array<Eight, 9> squares_;  // by octant, those beyond no border not to be counted, and of the led
 
   static std::array<RigidMatrixOf<Wide>, 8> zeros() {
     RigidMatrixOf<Wide> zero;
@@ -151,12 +158,11 @@ class RigidMultigrid::CellSums {
 };
 
 void RigidMultigrid::CellSums::find_borders(const Vec4f& x) {
-  squares_.fill(Wide::Zero());
-  led_ = {};
+  squares_.fill(Eight{});
   side_ = 0;
   for (std::size_t a = 0; a < 3; ++a) {
     const int axis = static_cast<int>(a);
-    const float bit = static_cast<float>(1 << a);
+    const std::int32_t bit = 1 << a;
     const bool upper = (x[axis] - grid_.lower_[axis]) * inverse_width_ >= place_[a] + 0.5f;
     side_ |= static_cast<std::size_t>(upper) << a;
     borders_[a] = upper ? Border{place_[a] + 1, bit, 0} : Border{place_[a], 0, bit};
@@ -167,10 +173,14 @@ void RigidMultigrid::CellSums::find_borders(const Vec4f& x) {
 void RigidMultigrid::CellSums::add_squares(std::size_t i, const SymmetricMatrix& drag) {
   const Eigen::Vector3f arm = grid_.arm(cell_, particles_.position[i]).head<3>();
   SymmetricMatrix own;
-  for (std::size_t k = 0; k < 6; ++k) own[k] = (k < 3 ? 1.0f : 0.0f) + time_step_ * (drag[k] + led_[k]);
+  for (std::size_t k = 0; k < 6; ++k)
+    own[k] = (k < 3 ? 1.0f : 0.0f) + time_step_ * (drag[k] + squares_[kLed][k]);
   anchor_ += rigid::matrix_at(own, arm);
+  std::array<Eight, 8> columns;
+  for (std::size_t k = 0; k < 8; ++k) columns[k] = k == 0 ? Eight{} : time_step_ * squares_[k];
+  transpose(columns);
   WideSquares square;
-  for (std::size_t k = 0; k < 6; ++k) square[k] = time_step_ * squares_[k];
+  for (std::size_t k = 0; k < 6; ++k) square[k] = wide_of(columns[k]);
   sums_[side_] += rigid::matrix_at(square, arm);
 }
 
@@ -250,7 +260,11 @@ void RigidMultigrid::find_runs(const ViscousForces& forces, const FluidParticles
       place[static_cast<std::size_t>(a)] =
           static_cast<std::int64_t>(cell_along(particles.position[i][a], lower_[a], width));
     const std::uint64_t key = RigidLevel::key_of(place);
-    if (!was_in_run || key != runs_.back().key) runs_.push_back({key, i, i});
+    if (!was_in_run || key != runs_.back().key) {
+      if (runs_.size() == runs_.capacity())
+        runs_.reserve(runs_.size() + runs_.size() / 8 + 64);  // not its double
+      runs_.push_back({key, i, i});
+    }
     runs_.back().end = i + 1;
   }
 }

@@ -82,15 +82,13 @@ class ViscositySolver::ConjugateGradients {
         lists_(lists),
         walls_(walls),
         time_step_(time_step),
+        acceleration_(particles.viscous_acceleration),
         solution_(particles.viscous_velocity),
         residual_(particles.scratch[0]),
         direction_(particles.scratch[1]),
         image_(particles.scratch[2]) {
     for (auto* vector : {&residual_, &direction_, &image_}) vector->resize(particles.size());
-    parallel_for(particles.size(), [this](std::size_t i) {
-      direction_[i].setZero();
-      if (!forces_.act_on(i, particles_)) solution_[i] = particles_.velocity[i];
-    });
+    parallel_for(particles.size(), [this](std::size_t i) { start(i); });
   }
 
   /// r = v* - v - dt (L v - f).
@@ -142,7 +140,26 @@ class ViscositySolver::ConjugateGradients {
     });
   }
 
+  /// What v has changed by in this step, over the step, for the next one to begin with; v becomes that of the
+  /// particles.
+  void keep() {
+    parallel_for(particles_.size(), [this](std::size_t i) {
+      const Vec4f change = (solution_[i] - particles_.velocity[i]) / time_step_;
+      acceleration_[i] = halved(change - acceleration_[i].cast<float>());
+      particles_.velocity[i] = solution_[i];
+    });
+  }
+
  private:
+  /// v begins as if it changed as it did in the last step. Until keep(), what it was stays as its difference
+  /// from v*, over the step.
+  void start(std::size_t i) {
+    direction_[i].setZero();
+    const Vec4f last = solution_[i], &now = particles_.velocity[i];
+    solution_[i] =
+        forces_.act_on(i, particles_) ? Vec4f(last + time_step_ * acceleration_[i].cast<float>()) : now;
+    acceleration_[i] = halved((last - now) / time_step_);
+  }
   /// Of v and r as they are in the cell; restricts r to it.
   Squares squares(std::size_t cell) {
     Vec4f change = Vec4f::Zero(), speed = change;
@@ -165,6 +182,7 @@ class ViscositySolver::ConjugateGradients {
   const NeighbourLists& lists_;
   const WallSums& walls_;
   float time_step_;
+  std::vector<Vec4h>& acceleration_;
   std::vector<Vec4f>&solution_, &residual_, &direction_, &image_;  // v, r, p, q
 };
 
@@ -196,7 +214,7 @@ ViscositySolve ViscositySolver::solve(FluidParticles& particles, const Neighbour
   }
   step.finish(length);
   balance_.restore(preconditioner_, forces_, particles, lists, walls, time_step, particles.viscous_velocity);
-  particles.velocity = particles.viscous_velocity;
+  step.keep();
   return result;
 }
 

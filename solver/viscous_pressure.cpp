@@ -1,6 +1,7 @@
 #include "solver/viscous_pressure.h"
 
 #include <algorithm>
+#include <atomic>
 
 #include "core/parallel.h"
 #include "solver/lanes.h"
@@ -29,16 +30,16 @@ Wide crowding(const Wide& q) {
 }
 
 bool is_loose(std::size_t i, const NeighbourLists& lists) {
-  Wide sum = Wide::Zero();
-  for (const PairBlock& block : lists.of(i)) sum += block.present();
-  return sum.sum() < kLeastNeighbours;
+  float sum = 0;
+  for (const PairBlock& block : lists.of(i))
+    if ((sum += block.present().sum()) >= kLeastNeighbours) return false;
+  return true;
 }
 
-/// Whether a neighbour is loose, which position.w tells.
-bool is_beside_loose(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists) {
-  Wide sum = Wide::Zero();
-  for (const PairBlock& block : lists.of(i)) sum += block.present() * gather(particles.position, block).w;
-  return sum.sum() > 0;
+/// What measure() leaves for correct(): kBulk nu D v [m2/s2], and whether the particle may pull, 1 or 0. The
+/// density solve in between does not take this room.
+std::vector<Vec4f>& noted(FluidParticles& particles) {
+  return particles.scratch[2];
 }
 
 }  // namespace
@@ -78,27 +79,37 @@ void ViscousPressure::spread(FluidParticles& particles, const NeighbourLists& li
   });
 }
 
-void ViscousPressure::measure(FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls) {
-  correction_.resize(particles.size());
-  pulls_.resize(particles.size());
-  parallel_for(particles.size(),
-               [&](std::size_t i) { particles.position[i][3] = is_loose(i, lists) ? 1.0f : 0.0f; });
+void ViscousPressure::measure(FluidParticles& particles, const NeighbourLists& lists,
+                              const WallSums& walls) const {
+  auto& notes = noted(particles);
+  notes.resize(particles.size());
   parallel_for(particles.size(), [&](std::size_t i) {
     const float resistance = resistance_[particles.fluid[i]];
     const bool free = resistance > 0 && particles.led_by[i] == 0 && !walls.touches(i);
-    correction_[i] = free ? resistance * density_rate(i, particles, lists, particles.velocity) : 0;
-    pulls_[i] = free && particles.position[i][3] == 0 && !is_beside_loose(i, particles, lists);
+    const float correction = free ? resistance * density_rate(i, particles, lists, particles.velocity) : 0;
+    notes[i] = {correction, free ? 1.0f : 0.0f, 0, 0};
+  });
+  const auto let_go = [&](std::size_t i) {
+    std::atomic_ref(notes[i][1]).store(0, std::memory_order_relaxed);
+  };
+  parallel_for(particles.size(), [&](std::size_t i) {
+    if (!is_loose(i, lists)) return;
+    let_go(i);
+    for (const PairBlock& block : lists.of(i))
+      for (std::size_t k = 0; k < kWide; ++k)
+        if (block.factor[k] > 0) let_go(block.base + block.offset[k]);
   });
 }
 
 void ViscousPressure::correct(FluidParticles& particles) const {
+  const auto& notes = noted(particles);
   parallel_for(particles.size(), [&](std::size_t i) {
     float &kappa = particles.density_pressure[i], &least = particles.least_pressure[i];
     const bool presses = kappa > least;
-    least = pulls_[i] ? std::min(0.0f, least + correction_[i]) : 0;
+    least = notes[i][1] > 0 ? std::min(0.0f, least + notes[i][0]) : 0;
     // A particle that does not press keeps its tension: the next density solve lowers it as far as it takes
     // to bring the liquid back to rest density, which closes the gaps between particles.
-    kappa = std::max(least, presses ? kappa + correction_[i] : std::min(kappa, 0.0f));
+    kappa = std::max(least, presses ? kappa + notes[i][0] : std::min(kappa, 0.0f));
   });
 }
 

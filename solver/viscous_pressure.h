@@ -44,20 +44,16 @@ class ViscousPressure {
   void spread(FluidParticles& particles, const NeighbourLists& lists, float time_step) const;
 
   /// Notes kBulk nu D v, and which particles may pull. Precondition: the velocities are those that the
-  /// viscous solve has left. Overwrites position.w.
-  void measure(FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls);
+  /// viscous solve has left.
+  void measure(FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls) const;
 
   /// density_pressure and least_pressure of the density solve -> those of the next step.
   void correct(FluidParticles& particles) const;
-
-  std::size_t bytes() const { return bytes_of(correction_, pulls_); }
 
  private:
   float spacing_;
   bool needed_ = false;
   std::vector<float> resistance_;  // by fluid: kBulk nu, 0: thin [m2/s]
-  std::vector<float> correction_;  // by particle [m2/s2]
-  std::vector<char> pulls_;        // by particle
 };
 
 }  // namespace kappaflow
