@@ -67,7 +67,8 @@ class RigidMultigrid::CellSums {
   }
 
   void add(std::size_t i) {
-    if (!grid_.weak_) find_borders(particles_.position[i]);
+    const bool carried = !grid_.weak_ && grid_.is_carried(i, particles_);
+    if (carried) find_borders(particles_.position[i]);
     std::array<Wide, 6> pairs;
     pairs.fill(Wide::Zero());
     forces_.for_pairs(
@@ -76,29 +77,29 @@ class RigidMultigrid::CellSums {
             __attribute__((always_inline)) {
               const WideSquares squares = weighted_squares(x, w);
               for (std::size_t k = 0; k < 6; ++k) pairs[k] += squares[k];
-              if (!grid_.weak_) couple(block, xj, w, squares);
+              if (carried) couple(block, xj, w, squares);
             });
     const SymmetricMatrix drag = wall_drag(i);
     const Vec4f diagonal = sums(pairs[0], pairs[1], pairs[2]), others = sums(pairs[3], pairs[4], pairs[5]);
     grid_.inverse_diagonal_[i] =
         inverse_of({diagonal[0] + drag[0], diagonal[1] + drag[1], diagonal[2] + drag[2], others[0] + drag[3],
                     others[1] + drag[4], others[2] + drag[5]});
-    if (!grid_.weak_) add_squares(i, drag);
+    if (carried) add_squares(i, drag);
   }
 
   /// Writes what has been added.
   void finish() const;
 
  private:
-  static constexpr int kLed = 8;  // in place of the octant: a particle that is led
+  static constexpr int kApart = 8;  // in place of the octant: a particle that no cell carries
   using Octants = std::array<std::int32_t, kWide>;
 
   void find_borders(const Vec4f& x);
-  /// Notes those of the pairs that are between two cells, or with a particle that is led.
+  /// Notes those of the pairs that are between two cells, or with a particle that no cell carries.
   [[gnu::always_inline]] void couple(const PairBlock& block, const WideVec& xj, const Wide& weight,
                                      const WideSquares& squares) {
     Octants octant = octants(xj);
-    if (grid_.any_led_) find_led(block, weight, octant);
+    if (grid_.any_led_ || grid_.any_weak_) find_apart(block, weight, octant);
     if (std::ranges::all_of(octant, [](std::int32_t o) { return o == 0; })) return;
     std::array<Eight, 8> of_pairs{};
     for (std::size_t k = 0; k < 6; ++k) of_pairs[k] = eight_of(squares[k]);
@@ -117,10 +118,12 @@ class RigidMultigrid::CellSums {
     const auto& [border, above, below] = borders_[axis];
     return ((at >= border) & above) | ((at < border) & below);
   }
-  void find_led(const PairBlock& block, const Wide& weight, Octants& octant) const {
-    for (std::size_t k = 0; k < kWide; ++k)
-      if (weight[static_cast<int>(k)] > 0 && particles_.led_by[block.base + block.offset[k]] != 0)
-        octant[k] = kLed;
+  void find_apart(const PairBlock& block, const Wide& weight, Octants& octant) const {
+    for (std::size_t k = 0; k < kWide; ++k) {
+      const std::size_t j = block.base + block.offset[k];
+      if (weight[static_cast<int>(k)] > 0 && (particles_.led_by[j] != 0 || !grid_.is_carried(j, particles_)))
+        octant[k] = kApart;
+    }
   }
   void add_squares(std::size_t i, const SymmetricMatrix& drag);
   SymmetricMatrix wall_drag(std::size_t i) const;
@@ -135,6 +138,7 @@ class RigidMultigrid::CellSums {
   std::size_t cell_;
   std::array<float, 3> place_;  // of the cell
   RigidMatrix anchor_;
+  bool empty_ = true;                                  // nothing is carried
   std::array<RigidMatrixOf<Wide>, 8> sums_ = zeros();  // by side, of the octants
 
   // Of one particle.
@@ -144,7 +148,7 @@ class RigidMultigrid::CellSums {
   };
   std::array<Border, 3> borders_;
   std::size_t side_ = 0;
-  std::array<Eight, 9> squares_;  // by octant, those beyond no border not to be counted, and of the led
+  std::array<Eight, 9> squares_;  // by octant, those beyond no border not to be counted, and of those apart
 
   static std::array<RigidMatrixOf<Wide>, 8> zeros() {
     RigidMatrixOf<Wide> zero;
@@ -174,19 +178,20 @@ void RigidMultigrid::CellSums::add_squares(std::size_t i, const SymmetricMatrix&
   const Eigen::Vector3f arm = grid_.arm(cell_, particles_.position[i]).head<3>();
   SymmetricMatrix own;
   for (std::size_t k = 0; k < 6; ++k)
-    own[k] = (k < 3 ? 1.0f : 0.0f) + time_step_ * (drag[k] + squares_[kLed][k]);
+    own[k] = (k < 3 ? 1.0f : 0.0f) + time_step_ * (drag[k] + squares_[kApart][k]);
   anchor_ += rigid::matrix_at(own, arm);
   std::array<Eight, 8> columns;
   for (std::size_t k = 0; k < 8; ++k) columns[k] = k == 0 ? Eight{} : time_step_ * squares_[k];
   transpose(columns);
   WideSquares square;
   for (std::size_t k = 0; k < 6; ++k) square[k] = wide_of(columns[k]);
+  empty_ = false;
   sums_[side_] += rigid::matrix_at(square, arm);
 }
 
 void RigidMultigrid::CellSums::finish() const {
   RigidLevel& level = grid_.levels_.front();
-  level.anchor[cell_] = anchor_;
+  level.anchor[cell_] = empty_ ? RigidMatrix{{1, 1, 1}} : anchor_;  // of an inverse that nothing asks for
   for (std::uint32_t k = level.first_link[cell_]; k < level.first_link[cell_ + 1]; ++k) {
     const auto other = RigidLevel::place_of(level.key[level.links[k].to]);
     RigidMatrix& sum = level.coupling[k] = RigidMatrix();
@@ -221,7 +226,7 @@ SymmetricMatrix RigidMultigrid::CellSums::inverse_of(const SymmetricMatrix& pair
 
 void RigidMultigrid::build(const ViscousForces& forces, const FluidParticles& particles,
                            const NeighbourLists& lists, const WallSums& walls, float time_step) {
-  weak_ = static_cast<double>(forces.largest_viscosity() * time_step) < kWeak * spacing_ * spacing_;
+  find_weak(forces, time_step);
   find_runs(forces, particles);
   find_cells();
   inverse_diagonal_.resize(particles.size());
@@ -240,6 +245,16 @@ void RigidMultigrid::build(const ViscousForces& forces, const FluidParticles& pa
   }
   for (std::size_t k = 0; k < depth_; ++k)
     levels_[k].invert(static_cast<float>(kPointInertia * spacing_ * spacing_));
+}
+
+void RigidMultigrid::find_weak(const ViscousForces& forces, float time_step) {
+  weak_fluid_.resize(forces.fluids());
+  for (std::size_t fluid = 0; fluid < forces.fluids(); ++fluid)
+    weak_fluid_[fluid] =
+        static_cast<double>(forces.viscosity(fluid) * time_step) < kWeak * spacing_ * spacing_;
+  const auto weak = std::ranges::count(weak_fluid_, 1);
+  weak_ = weak == std::ssize(weak_fluid_);
+  any_weak_ = weak > 0 && !weak_;
 }
 
 void RigidMultigrid::find_runs(const ViscousForces& forces, const FluidParticles& particles) {
@@ -300,6 +315,7 @@ double RigidMultigrid::restrict_to(std::size_t cell, const FluidParticles& parti
   Vec4f force = Vec4f::Zero(), torque = force, energy = force;
   for_particles(cell, [&](std::size_t i) {
     energy += block_times(i, r[i]).cwiseProduct(r[i]);
+    if (!is_carried(i, particles)) return;
     force += r[i];
     torque += cross(arm(cell, particles.position[i]), r[i]);
   });

@@ -50,8 +50,10 @@ class RigidMultigrid {
 
   /// The connected component of each cell, by its first cell.
   void find_components(std::vector<std::uint32_t>& component) const {
-    finest().find_components(!weak_, component);
+    finest().find_components(!weak_ && !any_weak_, component);
   }
+  /// Whether viscosity changes the fluid's velocity little in a step.
+  bool is_weak(std::size_t fluid) const { return weak_fluid_[fluid] != 0; }
   bool any_led() const { return any_led_; }
   double spacing() const { return spacing_; }
   const RigidLevel& finest() const { return levels_.front(); }
@@ -84,9 +86,14 @@ class RigidMultigrid {
   class CellSums;
   static constexpr std::size_t kCellGrain = 4;  // cells that a task works on
 
+  void find_weak(const ViscousForces& forces, float time_step);
   void find_runs(const ViscousForces& forces, const FluidParticles& particles);
   void find_cells();
   void find_centre(const FluidParticles& particles, std::size_t cell);
+  /// Whether the particle moves with its cell.
+  bool is_carried(std::size_t i, const FluidParticles& particles) const {
+    return !any_weak_ || !is_weak(particles.fluid[i]);
+  }
   /// From the cell's centre.
   Vec4f arm(std::size_t cell, const Vec4f& x) const {
     const Vec4f arm = x - finest().centre[cell];
@@ -101,7 +108,10 @@ class RigidMultigrid {
   std::vector<RigidLevel> levels_;  // from fine to coarse
   std::size_t depth_ = 0;           // levels in use; 0: M is D
   bool any_led_ = false;
-  bool weak_ = false;  // viscosity: D^-1 alone is as good, and cells that touch are not coupled
+  // Where viscosity is weak, D^-1 alone is as good. If all is, there are no levels; if some is, its particles
+  // do not move with the cells, which else would hold two bodies, a stiff one and what flows around it.
+  bool weak_ = false, any_weak_ = false;
+  std::vector<char> weak_fluid_;
 };
 
 template <class Visit>
@@ -112,7 +122,9 @@ void RigidMultigrid::for_solutions(std::size_t cell, const FluidParticles& parti
   const Vec4f velocity(motion.linear[0], motion.linear[1], motion.linear[2], 0);
   const Vec4f turning(motion.angular[0], motion.angular[1], motion.angular[2], 0);
   for_particles(cell, [&](std::size_t i) {
-    visit(i, block_times(i, r[i]) + (velocity + cross(turning, arm(cell, particles.position[i]))));
+    const Vec4f own = block_times(i, r[i]);
+    if (!is_carried(i, particles)) return visit(i, own);
+    visit(i, own + (velocity + cross(turning, arm(cell, particles.position[i]))));
   });
 }
 

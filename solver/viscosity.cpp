@@ -156,9 +156,10 @@ class ViscositySolver::ConjugateGradients {
   void start(std::size_t i) {
     direction_[i].setZero();
     const Vec4f last = solution_[i], &now = particles_.velocity[i];
-    solution_[i] =
-        forces_.act_on(i, particles_) ? Vec4f(last + time_step_ * acceleration_[i].cast<float>()) : now;
-    acceleration_[i] = halved((last - now) / time_step_);
+    const Vec4f change = time_step_ * acceleration_[i].cast<float>();
+    const bool weak = cells_.is_weak(particles_.fluid[i]);
+    solution_[i] = !forces_.act_on(i, particles_) ? now : weak ? Vec4f(now + change) : Vec4f(last + change);
+    acceleration_[i] = weak ? Vec4h::Zero() : halved((last - now) / time_step_);
   }
   /// Of v and r as they are in the cell; restricts r to it.
   Squares squares(std::size_t cell) {

@@ -52,10 +52,12 @@ class ViscousForces {
   /// Whether no fluid is viscous.
   bool none() const;
   float largest_viscosity() const;  ///< [m2/s]
+  std::size_t fluids() const { return fluids_; }
+  float viscosity(std::size_t fluid) const { return pair_viscosity_[fluid * (fluids_ + 1)]; }  ///< [m2/s]
   /// Whether viscous forces can change the particle's velocity: it is viscous and not led.
   bool act_on(std::size_t i, const FluidParticles& particles) const {
     if (particles.led_by[i] != 0) return false;
-    return wall_viscosity_[particles.fluid[i]] > 0 || pair_viscosity_[particles.fluid[i] * (fluids_ + 1)] > 0;
+    return wall_viscosity_[particles.fluid[i]] > 0 || viscosity(particles.fluid[i]) > 0;
   }
 
   /// Calls visit(block, x, w, x_j) for the blocks of particle i's neighbours: x = x_ij [m], w = nu_ij c_ij

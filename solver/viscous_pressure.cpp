@@ -89,15 +89,18 @@ void ViscousPressure::measure(FluidParticles& particles, const NeighbourLists& l
     const float correction = free ? resistance * density_rate(i, particles, lists, particles.velocity) : 0;
     notes[i] = {correction, free ? 1.0f : 0.0f, 0, 0};
   });
-  const auto let_go = [&](std::size_t i) {
+  // Thin liquid gives way at once: beside it, compression says nothing of the pressure in the thick one.
+  const auto forget = [&](std::size_t i, bool correction_too) {
     std::atomic_ref(notes[i][1]).store(0, std::memory_order_relaxed);
+    if (correction_too) std::atomic_ref(notes[i][0]).store(0, std::memory_order_relaxed);
   };
   parallel_for(particles.size(), [&](std::size_t i) {
-    if (!is_loose(i, lists)) return;
-    let_go(i);
+    const bool thin = resistance_[particles.fluid[i]] == 0;
+    if (!thin && !is_loose(i, lists)) return;
+    forget(i, thin);
     for (const PairBlock& block : lists.of(i))
       for (std::size_t k = 0; k < kWide; ++k)
-        if (block.factor[k] > 0) let_go(block.base + block.offset[k]);
+        if (block.factor[k] > 0) forget(block.base + block.offset[k], thin);
   });
 }
 

@@ -86,6 +86,27 @@ TEST(Fluids, StressIsContinuousAcrossTheirInterface) {
   }
 }
 
+// A thick block lies on a thin one in a container, and the other way round. Nothing is faster than what falls
+// from the top.
+TEST(Fluids, ThickBesideThinStaysQuietAndTakesFewIterations) {
+  for (const auto& [below, above] : {std::pair(200.0, 0.02), std::pair(0.02, 200.0)}) {
+    FluidOptions o = options(below, above);
+    o.viscosity_tolerance = FluidOptions().viscosity_tolerance;
+    const auto points = test::block(Vec3::Zero(), Vec3::Ones(), o.spacing);
+    std::vector<std::uint8_t> fluid;
+    for (const Vec3& x : points) fluid.push_back(x.y() > 0.5);
+    FluidSolver solver(o, points, std::vector<Vec3>(points.size(), Vec3::Zero()),
+                       solid_walls(test::container(1, 1.5, 0.2)), fluid);
+    int steps = 0, iterations = 0;
+    for (; solver.time() < 0.4; ++steps) {
+      const FluidStep step = solver.step(0.4 - solver.time());
+      ASSERT_LT(step.fastest, std::sqrt(2 * 9.81 * 1)) << below << " " << solver.time();
+      iterations += step.viscosity_iterations;
+    }
+    EXPECT_LT(iterations, 12 * steps) << below;
+  }
+}
+
 TEST(Fluids, MistakesAreRefused) {
   const std::vector<Vec3> points{Vec3::Zero(), Vec3(1, 0, 0)};
   const std::vector<std::uint8_t> good{0, 1}, unknown{0, 2}, few{0};
