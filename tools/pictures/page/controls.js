@@ -83,9 +83,10 @@ function play(playing) {
 
 function setColour(colour) {
   state.colour = colour;
-  [...byId('colours').children].forEach((button, i) => { button.setAttribute('aria-pressed', i === colour + 1); });
-  byId('legend').hidden = colour < 0;
-  if (colour >= 0) showLegend(run.colours[colour]);
+  [...byId('colours').children].forEach((button, i) => { button.setAttribute('aria-pressed', i === colour); });
+  const shown = run.colours[colour - TEXTURES.length];
+  byId('legend').hidden = !shown;
+  if (shown) showLegend(shown);
   schedule();
 }
 
@@ -172,7 +173,7 @@ function handleKeys() {
     Home: () => seek(0), End: () => seek(run.times.length - 1),
     '+': () => zoom(0.85), '=': () => zoom(0.85), '-': () => zoom(1 / 0.85), 0: () => resetView(),
   };
-  run.colours.concat(null).forEach((_, i) => { keys[i + 1] = () => setColour(i - 1); });
+  [...byId('colours').children].forEach((_, i) => { keys[i + 1] = () => setColour(i); });
   document.onkeydown = event => {
     const own = ['INPUT', 'SELECT', 'BUTTON'].includes(event.target.tagName);  // it has keys of its own
     if (event.ctrlKey || event.altKey || event.metaKey || (own && /^( |Arrow.*|Home|End)$/.test(event.key))) return;
@@ -189,8 +190,8 @@ function resetView() {
 }
 
 function makeControls() {
-  byId('colours').append(...['Checker', ...run.colours.map(c => COLOUR_NAMES[c.array])].map((textContent, i) =>
-    htmlElement('button', {textContent, title: `Key ${i + 1}`, onclick: () => setColour(i - 1)})));
+  byId('colours').append(...[...TEXTURES, ...run.colours.map(c => COLOUR_NAMES[c.array])].map((textContent, i) =>
+    htmlElement('button', {textContent, title: `Key ${i + 1}`, onclick: () => setColour(i)})));
   byId('methods').append(...run.methods.map(({name, summary}, m) => htmlElement('label', {title: summary ?? ''}, [
     htmlElement('input', {type: 'checkbox', checked: true, onchange: event => showMethod(m, event.target.checked)}), ' ', swatch(m), name])));
   byId('charts').append(...charts.map(chart => chart.element));
@@ -217,7 +218,8 @@ async function start() {
   if (!gl) throw new Error('this browser has no WebGL 2');
   startDrawing();
   makeControls();
-  setColour(run.colours.findIndex(({array}) => array === 'emission_time'));  // the checker where nothing flows in
+  const inflow = run.colours.findIndex(({array}) => array === 'emission_time');
+  setColour(inflow < 0 ? 0 : TEXTURES.length + inflow);
   const message = byId('message');
   message.textContent = 'Unpacking…';
   if (run.walls) await loadWalls();

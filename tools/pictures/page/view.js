@@ -18,9 +18,11 @@ const GAP = 3;  // between panels [pixels of the page]
 const VIEW_ANGLE = 24 * Math.PI / 180;  // from bottom to top
 const METHOD_COLOURS = ['#0072b2', '#d55e00', '#009e73', '#cc79a7', '#b58900', '#56b4e9', '#444444'];
 
-/// What the controls set. colour: -1: the checker, else an entry of run.colours.
+const TEXTURES = ['Checker', 'Stripes', 'Grid'];
+
+/// What the controls set. colour: an entry of TEXTURES, and after these one of run.colours.
 const state = {
-  frame: 0, time: run.times[0], playing: false, speed: 1, colour: -1,
+  frame: 0, time: run.times[0], playing: false, speed: 1, colour: 0,
   shown: run.methods.map(() => true), walls: true, follow: true,
 };
 const camera = {};
@@ -102,31 +104,40 @@ void main() {
   gl_Position = camera * vec4(place * placeScale, 1.0);
 }`;
 
-// Where a pixel lies in one cube, one point of it is enough.
+// pattern: of TEXTURES, or -1: the colours. Where a pixel has one colour, one point of it is enough.
 const SURFACE_FRAGMENT = `#version 300 es
 precision highp float;
 precision highp int;
 in vec3 outward, cube;
 in float colour;
-uniform bool checker;
+uniform int pattern;
 uniform sampler2D colours;
 uniform vec3 key, side, halfway;
 out vec4 result;
-${TEXTURE_COLOURS}vec3 meanColour() {
-  vec3 right = dFdx(cube), up = dFdy(cube), reach = 0.5 * (abs(right) + abs(up));
-  if (floor(cube - reach) == floor(cube + reach)) return checkerColour(cube);
+${TEXTURE_COLOURS}vec3 patternColour(vec3 x) {
+  return pattern == 0 ? checkerColour(x) : pattern == 1 ? stripesColour(x) : gridColour(x);
+}
+bool hasOneColour(vec3 x, vec3 reach) {
+  if (pattern == 0) return floor(x - reach) == floor(x + reach);
+  if (pattern == 1) return floor(2.0 * dot(x - reach, vec3(1.0))) == floor(2.0 * dot(x + reach, vec3(1.0)));
+  vec3 away = abs(x - round(x)) - reach;
+  return min(away.x, min(away.y, away.z)) > 0.04;
+}
+vec3 meanColour() {
+  vec3 right = dFdx(cube), up = dFdy(cube);
+  if (hasOneColour(cube, 0.5 * (abs(right) + abs(up)))) return patternColour(cube);
   vec3 sum = vec3(0.0);
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) sum += checkerColour(cube + float(i - 1) / 3.0 * right + float(j - 1) / 3.0 * up);
+    for (int j = 0; j < 3; ++j) sum += patternColour(cube + float(i - 1) / 3.0 * right + float(j - 1) / 3.0 * up);
   return sum / 9.0;
 }
 void main() {
-  vec3 base = checker ? meanColour() : texture(colours, vec2((255.0 * colour + 0.5) / 256.0, 0.5)).rgb;
+  vec3 base = pattern >= 0 ? meanColour() : texture(colours, vec2((255.0 * colour + 0.5) / 256.0, 0.5)).rgb;
   vec3 n = normalize(outward);
   float lit = 0.4 + 0.7 * (0.8 * max(dot(n, key), 0.0) + 0.45 * max(dot(n, side), 0.0));
   float shine = max(dot(n, halfway), 0.0);
   shine *= shine; shine *= shine; shine *= shine; shine *= shine; shine *= shine;
-  result = vec4(base * lit + (checker ? 0.12 : 0.04) * shine, 1.0);
+  result = vec4(base * lit + (pattern >= 0 ? 0.12 : 0.04) * shine, 1.0);
 }`;
 
 // Much of a picture is walls: their light is found once a triangle.
@@ -237,7 +248,7 @@ function bindSurface(m) {
     gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, surface.corners, gl.DYNAMIC_DRAW);
     mesh.frame = state.frame;
   }
-  gl.vertexAttribPointer(3, 1, gl.UNSIGNED_BYTE, true, VERTEX_BYTES, COLOUR_AT + Math.max(state.colour, 0));
+  gl.vertexAttribPointer(3, 1, gl.UNSIGNED_BYTE, true, VERTEX_BYTES, COLOUR_AT + Math.max(state.colour - TEXTURES.length, 0));
   return surface;
 }
 
@@ -249,7 +260,7 @@ function drawSurface(m, {axes, matrix}) {
   gl.uniform3fv(uniforms.placeScale, steps(run.box));
   gl.uniform3fv(uniforms.cubeScale, times(1 / run.checker.edge, steps(run.rest)));
   gl.uniform3fv(uniforms.cubeOrigin, times(1 / run.checker.edge, minus(run.rest.lower, run.checker.origin)));
-  gl.uniform1i(uniforms.checker, state.colour < 0);
+  gl.uniform1i(uniforms.pattern, state.colour < TEXTURES.length ? state.colour : -1);
   const surface = bindSurface(m);
   gl.enable(gl.CULL_FACE);  // surfaces are closed
   gl.drawElements(gl.TRIANGLES, surface.corners.length, surface.corners.BYTES_PER_ELEMENT === 4 ? gl.UNSIGNED_INT : gl.UNSIGNED_SHORT, 0);
