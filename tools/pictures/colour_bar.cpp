@@ -10,7 +10,7 @@ namespace kappaflow {
 namespace {
 
 // Of the part's width and height.
-constexpr double kMargin = 0.06, kBelow = 0.68, kAbove = 0.9, kLabels = 0.49, kTitle = 0.19, kLetters = 0.25;
+constexpr double kMargin = 0.06, kBelow = 0.72, kAbove = 0.94, kLabels = 0.51, kTitle = 0.17, kLetters = 0.29;
 constexpr double kGap = 0.06;  // between the colours of names, of a colour's width
 
 bool is_of_names(const Colouring& colouring) {

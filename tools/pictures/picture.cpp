@@ -38,13 +38,13 @@ constexpr int kSamples = 2;                                       // of a pixel 
 constexpr double kOcclusionReach = 0.06, kOcclusionBias = 0.004;  // of what fills the panel
 constexpr unsigned int kOcclusionSamples = 64;
 constexpr int kRim = 8;  // samples that are drawn and left out: there the occlusion is that of the other side
-constexpr double kTitleHeight = 0.075, kGap = 0.012;  // of a panel
-constexpr int kLeastTitle = 30;                       // [pixels]
-constexpr double kViewAngle = 24;                     // [degrees] from bottom to top
-constexpr double kGlass = 0.12;                       // opacity of walls in the way
-constexpr double kBarHeight = 0.13;                   // of a panel's
-constexpr int kLightPixels = 1024;                    // along an edge of what the key light sees
-constexpr double kAmbient = 0.38, kDiffuse = 0.7;     // of all that is lit
+constexpr double kTitleHeight = 0.09, kGap = 0.012;  // of a panel
+constexpr int kLeastTitle = 40;                      // [pixels]
+constexpr double kViewAngle = 24;                    // [degrees] from bottom to top
+constexpr double kGlass = 0.12;                      // opacity of walls in the way
+constexpr double kBarHeight = 0.15;                  // of a panel's
+constexpr int kLightPixels = 1024;                   // along an edge of what the key light sees
+constexpr double kAmbient = 0.38, kDiffuse = 0.7;    // of all that is lit
 // The key light comes from above, beside the viewer, so that shadows are seen; the fill light from the other
 // side.
 constexpr double kKeyLight = 0.8, kFillLight = 0.5;
@@ -81,7 +81,7 @@ vtkSmartPointer<vtkActor> surface_actor(vtkPolyData& surface, const PictureStyle
   look.SetInterpolationToPhong();
   look.SetAmbient(kAmbient);
   look.SetDiffuse(kDiffuse);
-  look.SetSpecular(0.15);
+  look.SetSpecular(style.colouring ? 0 : 0.15);  // a highlight would look like other data
   look.SetSpecularPower(40);
   return actor;
 }

@@ -21,6 +21,7 @@ std::string paragraphs(const std::string& markdown) {
 
 /// Without the paragraph's marks.
 std::string inline_html(const std::string& markdown) {
+  if (markdown == "-") return "\u2013";  // alone it would be a list
   std::string html = paragraphs(markdown);
   const std::string_view before = "<p>", after = "</p>\n";
   if (!html.starts_with(before) || !html.ends_with(after)) return html;
