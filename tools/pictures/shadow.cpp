@@ -3,9 +3,11 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <span>
 
 #include "core/parallel.h"
 
@@ -25,6 +27,19 @@ constexpr double kGoldenAngle = 2.399963229728653;
 double turn_at(int x, int y) {
   const double inner = 0.06711056 * x + 0.00583715 * y, outer = 52.9829189 * (inner - std::floor(inner));
   return 2 * std::numbers::pi * (outer - std::floor(outer));
+}
+
+/// Places on a disc of radius 1, spread evenly.
+template <int kCount>
+const std::array<Vec2, kCount>& disc() {
+  static const auto places = [] {
+    std::array<Vec2, kCount> result;
+    for (int k = 0; k < kCount; ++k)
+      result[static_cast<std::size_t>(k)] =
+          std::sqrt((k + 0.5) / kCount) * Vec2(std::cos(k * kGoldenAngle), std::sin(k * kGoldenAngle));
+    return result;
+  }();
+  return places;
 }
 
 /// What the camera sees, as places.
@@ -81,11 +96,12 @@ class DiscLight {
     const Spot spot{0.5 * (in_box.x() + 1) * image_.width, 0.5 * (in_box.y() + 1) * image_.height,
                     0.5 * (in_box.z() + 1)};
     const double reach = std::min(penumbra(spot.depth), kMostReach * image_.width);
+    const Vec2 along(std::cos(turn), std::sin(turn));
     double depths = 0;
-    const int hiding = hiding_around(spot, kSearched, reach, turn, depths);
+    const int hiding = hiding_around(spot, disc<kSearched>(), reach * along, depths);
     if (hiding == 0) return 1;
     const double radius = std::max(1.5, penumbra(spot.depth - depths / hiding));
-    return 1 - static_cast<double>(hiding_around(spot, kTaken, radius, turn, depths)) / kTaken;
+    return 1 - static_cast<double>(hiding_around(spot, disc<kTaken>(), radius * along, depths)) / kTaken;
   }
 
  private:
@@ -98,13 +114,14 @@ class DiscLight {
     return kSoftness * std::max(depth, 0.0) / depth_per_metre_ * pixels_per_metre_;
   }
 
-  /// How many of the places on a disc of that radius are before the spot, and the sum of their depths.
-  int hiding_around(const Spot& spot, int count, double radius, double turn, double& depths) const {
+  /// How many of the disc's places are before the spot, and the sum of their depths. The disc is turned and
+  /// enlarged so that (1, 0) comes to `along`.
+  int hiding_around(const Spot& spot, std::span<const Vec2> places, const Vec2& along, double& depths) const {
     int hiding = 0;
     depths = 0;
-    for (int k = 0; k < count; ++k) {
-      const double r = radius * std::sqrt((k + 0.5) / count), angle = turn + k * kGoldenAngle;
-      const double depth = depth_at(spot.x + r * std::cos(angle), spot.y + r * std::sin(angle));
+    for (const Vec2& place : places) {
+      const double depth = depth_at(spot.x + place.x() * along.x() - place.y() * along.y(),
+                                    spot.y + place.x() * along.y() + place.y() * along.x());
       if (!(depth < spot.depth - kLeast)) continue;
       ++hiding;
       depths += depth;
