@@ -62,7 +62,7 @@ TEST_F(WrittenReport, HasStatementsTablesAndPicturesInBothForms) {
   report.introduction = "What was *done*.";
   report.statements.push_back(judged({"a|b", "x < y", "Because."}, {at_most("", 3, 4)}));
   report.beside = {"", {"Fig. 0", "the paper", "here"}, {{"error", "about 0.06", "0.061"}}};
-  report.tables.push_back({"A caption.", {"method", "error"}, {{"total", "0.5"}}});
+  report.tables.push_back({"A caption.", {"method", "error"}, {{"total", "0.5"}, {"normal", "-"}}});
   report.figures.push_back({"fig0/a.png", "A picture"});
   report.figures.push_back({"fig0/b.png", "A plot", Figure::Kind::column_plot});
   report.files = {"fig0/a.csv"};
@@ -79,8 +79,9 @@ TEST_F(WrittenReport, HasStatementsTablesAndPicturesInBothForms) {
     EXPECT_NE(markdown.find(part), std::string::npos) << part << "\n" << markdown;
   for (const char* part :
        {"<h2 id=\"fig0\">fig0: A test<", "<em>done</em>", "<td>x &lt; y</td>", "<td>a|b</td>",
-        "<strong>holds</strong>", "<td>total</td>", "<img class=\"picture\" src=\"fig0/a.png\"",
-        "<a href=\"fig0/a.csv\">", "<th>Measured</th><th>Limit</th>", "<td>3</td><td>≤ 4</td><td>yes</td>",
+        "<strong>holds</strong>", "<td>total</td>", "<td>normal</td><td>–</td>",
+        "<img class=\"picture\" src=\"fig0/a.png\"", "<a href=\"fig0/a.csv\">",
+        "<th>Measured</th><th>Limit</th>", "<td>3</td><td>≤ 4</td><td>yes</td>",
         "<td>about 0.06</td><td>0.061</td>", "<img class=\"column\" src=\"fig0/b.svg\"",
         "href=\"fig0/b.pdf\"", "@page { size: A4;"})
     EXPECT_NE(html.find(part), std::string::npos) << part << "\n" << html;
