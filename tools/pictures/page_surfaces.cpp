@@ -18,6 +18,9 @@ namespace {
 
 constexpr const char* kColoured[] = {"material_slip", "mean_curvature", "confidence", kEmissionTimeArray};
 
+/// What rounding leaves of zero at most, as of the slip of `material` against itself.
+constexpr double kRounding = 1e-12;
+
 /// A colour's array, and the ends of its range in each surface so far, method by method in each frame.
 struct ColouredArray {
   const char* array;
@@ -73,9 +76,11 @@ ValueRange typical_range(const ColouredArray& field, std::size_t methods) {
 std::vector<Colouring> colours_of(const std::vector<ColouredArray>& fields, std::size_t methods,
                                   vtkPolyData& example) {
   std::vector<Colouring> colours;
-  for (const ColouredArray& field : fields)
-    if (field.everywhere)
-      colours.push_back(colouring(example, field.array, rounded(typical_range(field, methods))));
+  for (const ColouredArray& field : fields) {
+    if (!field.everywhere) continue;
+    const ValueRange range = rounded(typical_range(field, methods));
+    if (std::max(-range[0], range[1]) > kRounding) colours.push_back(colouring(example, field.array, range));
+  }
   return colours;
 }
 

@@ -106,6 +106,7 @@ TEST_F(Page, ShowsWhenLiquidCame) {
   ASSERT_NE(begin, std::string::npos);
   EXPECT_EQ(page.substr(range, page.find(']', range) - range), "\"range\":[0.0,0.1")
       << "from beginning to end";
+  EXPECT_EQ(page.find("\"array\":\"material_slip\""), std::string::npos) << "rounding, of material alone";
 }
 
 TEST_F(Page, SaysWhereItIs) {

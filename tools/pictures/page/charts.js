@@ -2,6 +2,7 @@
 
 const FIRST_METRICS = ['slip', 'rotation_captured', 'tracer_distance', 'volume_error', 'texture_cracks', 'kept_fraction'];
 const CHARTS = 4;
+const ROUNDING = 1e-12;  // what it leaves of zero at most
 const MARGIN = {left: 56, right: 26, top: 8, bottom: 20};
 
 const metrics = knownMetrics();
@@ -11,7 +12,7 @@ function knownMetrics() {
   const {columns, values} = run.metrics, known = new Map();
   const add = (name, description, of) => {
     const here = Object.fromEntries(run.methods.map(({name: m}) => [m, of(m)]));
-    if (Object.values(here).some(series => new Set(series.filter(x => x !== null)).size > 1)) known.set(name, {...description, values: here});
+    if (Object.values(here).some(series => new Set(series.filter(x => x !== null).map(x => Math.abs(x) < ROUNDING ? 0 : x)).size > 1)) known.set(name, {...description, values: here});
   };
   const column = (name, method) => values[name]?.[method] ?? [];
   for (const description of columns)
