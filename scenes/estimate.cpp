@@ -58,9 +58,9 @@ constexpr Named<double> kVelocitySeconds[] = {
 // The flow. The fastest particle of liquid that runs down somewhere has about this share of the largest speed
 // that free fall allows, in the mean; a stream falls all the time; torn liquid squirts.
 constexpr double kTypicalSpeedShare = 0.6, kTypicalStreamShare = 0.7, kLargestSpeedShare = 1.1;
-// Conjugate gradients for viscosity: 2 + 4 sqrt(nu dt / h^2), and at most 6; setting them up takes as long as
-// 6 more.
-constexpr double kFewestViscous = 2, kMoreViscous = 4, kMostViscous = 6, kViscousSetUp = 6;
+// Conjugate gradients for viscosity: 1 + 3 sqrt(nu dt / h^2), and at most 4; setting them up takes as long as
+// 4 more.
+constexpr double kFewestViscous = 1, kMoreViscous = 3, kMostViscous = 4, kViscousSetUp = 4;
 
 // The surface. Vertices per edge^2: of a smooth surface that moves, and of one in shreds, where rims and tips
 // take finer edges. Weights that are not normalised leave the thinnest shreds without a surface.
