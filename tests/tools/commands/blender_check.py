@@ -1,9 +1,9 @@
-"""Imports the USD files of a run in Blender and holds what it has against the .vtp files:
+"""Imports the files of a run in Blender and holds what it has against the .vtp files:
 
     python3 blender_check.py RUN
 
-Vertices, triangles, texture coordinates, rest positions, ids and velocities in several frames, walls where they move
-to, and that pictures of Cycles with motion blur are blurred.
+Vertices, triangles, texture coordinates and all arrays in several frames, walls where they move to, which way up OBJ and
+PLY come, and that pictures of Cycles with motion blur are blurred.
 """
 import math
 import pathlib
@@ -18,6 +18,8 @@ from expectations import expect, expect_equal
 
 run = pathlib.Path(sys.argv[1])
 METHOD = "regional"
+VECTORS = {"rest": "rest_position", "velocity": "velocity", "rest_1": "rest_1", "rest_2": "rest_2"}
+NUMBERS = ("mean_curvature", "gaussian_curvature", "confidence", "material_slip", "rest_2_weight")
 
 
 def values(collection, name, components, kind="f4"):
@@ -45,16 +47,37 @@ def check_surface(frame):
     expect(all(p.loop_total == 3 for p in mesh.polygons), "some polygons are no triangles")
     corners = values(mesh.loops, "vertex_index", 1, "i4")
     expect_equal(corners, surface["triangles"].ravel(), "triangles", 0)
-    expect_equal(attribute(mesh, "rest", 3), surface["rest_position"], "rest", 1e-6)
-    expect_equal(attribute(mesh, "velocity", 3), surface["velocity"], "velocity", 1e-6)
-    expect_equal(attribute(mesh, "id", kind="i4"), surface["id"], "id", 0)
-    expect_equal(attribute(mesh, "mean_curvature"), surface["mean_curvature"], "mean_curvature", 1e-4)
+    for name, array in VECTORS.items():
+        expect_equal(attribute(mesh, name, 3), surface[array], name, 1e-6)
+    for name in NUMBERS:
+        expect_equal(attribute(mesh, name), surface[name].astype("f4"), name, 0)
+    for name in ("id", "source"):
+        expect_equal(attribute(mesh, name, kind="i4"), surface[name], name, 0)
+    colours = values(mesh.attributes["displayColor"].data, "color_srgb", 4)[:, :3]
+    expect_equal(colours, surface["checker"] / 255, "displayColor", 2e-3)
     texture = values(mesh.uv_layers["st"].data, "uv", 2).reshape(-1, 3, 2)
     expect(numpy.ptp(texture, axis=1).max() < 0.4, "a triangle spans a seam of the texture")
     per_vertex = surface["TCoords"][surface["triangles"]]
     same = (numpy.abs(texture - per_vertex).max(axis=(1, 2)) < 1e-5).mean()
     expect(same > 0.6, f"only {same:.0%} of the triangles have the .vtp's texture coordinates")
     return len(mesh.vertices)
+
+
+def check_single_files(frame):
+    """OBJ and PLY files stand upright where the import is told that z is up, as it is in this scene."""
+    stem = run / f"surface-{METHOD}/surface_{frame:04}"
+    surface = vtp_arrays.read(f"{stem}.vtp")
+    for kind, load in (("obj", bpy.ops.wm.obj_import), ("ply", bpy.ops.wm.ply_import)):
+        load(filepath=f"{stem}.{kind}", forward_axis="Y", up_axis="Z")
+        thing = bpy.context.object
+        to_world = numpy.array(thing.matrix_world)
+        points = values(thing.data.vertices, "co", 3) @ to_world[:3, :3].T + to_world[:3, 3]
+        expect_equal(points, surface["Points"], f"positions of .{kind}", 1e-6)
+        expect(len(thing.data.uv_layers) == 1, f".{kind} has {len(thing.data.uv_layers)} texture coordinates")
+        if kind == "ply":
+            expect_equal(attribute(thing.data, "rest_x"), surface["rest_position"][:, 0], "rest_x", 1e-6)
+            expect_equal(attribute(thing.data, "velocity_z"), surface["velocity"][:, 2], "velocity_z", 0)
+        bpy.data.objects.remove(thing)
 
 
 def check_walls(frame):
@@ -146,6 +169,7 @@ def main():
     frame = bpy.context.scene.frame_current
     wanted = vtp_arrays.read(run / f"particles/particles_{frame:04}.vtp")["Points"]
     expect_equal(values(particles.attributes["position"].data, "vector", 3), wanted, "particles", 1e-6)
+    check_single_files(frame)
     check_blur()
     print(f"Blender {bpy.app.version_string}: {expectations.count} checks: all hold")
 

@@ -5,6 +5,6 @@ include(${CMAKE_CURRENT_LIST_DIR}/python_with.cmake)
 python_with("meshio or trimesh" "import numpy, meshio, trimesh")
 
 file(REMOVE_RECURSE ${FOLDER})
-execute_process(COMMAND ${PROGRAM} run ${SOURCE_DIR}/scenes/staircase-small.toml --duration 0.08 --track regional --quiet
-                        --format obj,ply,glb --out ${FOLDER}/run COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${PROGRAM} run ${CMAKE_CURRENT_LIST_DIR}/usd_scene.toml --duration 0.08 --quiet --format obj,ply,glb
+                        --out ${FOLDER}/run COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ${PYTHON} ${CMAKE_CURRENT_LIST_DIR}/meshes_check.py ${FOLDER}/run COMMAND_ERROR_IS_FATAL ANY)

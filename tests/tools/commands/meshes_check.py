@@ -1,4 +1,4 @@
-"""Holds the OBJ, PLY and GLB files of a run against its .vtp files, by meshio (PLY) and trimesh:
+"""Holds the OBJ, PLY and GLB files of a run against its .vtp files, every array by meshio (PLY) and trimesh:
 
     python3 meshes_check.py RUN
 """
@@ -13,6 +13,7 @@ import expectations
 import vtp_arrays
 from expectations import expect, expect_equal, fail
 
+ARRAYS = {"velocity", "rest_position", "rest_1", "rest_2", "texture_1", "id", "source", "mean_curvature", "confidence"}
 surfaces = pathlib.Path(sys.argv[1]) / "surface-regional"
 
 
@@ -22,44 +23,64 @@ def expect_seamless(texture, triangles, what):
         fail(f"{what}: a triangle spans a seam of the texture")
 
 
+def in_files(name):
+    """The name of a surface's array in PLY and GLB files."""
+    return "rest" if name == "rest_position" else name
+
+
+def properties(name, wanted):
+    """In which properties of a PLY file an array's components are."""
+    if wanted.ndim == 1:
+        return [in_files(name)]
+    prefix = "n" if name == "Normals" else in_files(name) + "_"
+    return [prefix + axis for axis in "xyz"[: wanted.shape[1]]]
+
+
 def check_ply(stem, surface):
-    for points, triangles, reader in (
-        (lambda m: (m.points, m.cells_dict["triangle"], "meshio"))(meshio.read(f"{stem}.ply")),
-        (lambda m: (m.vertices, m.faces, "trimesh"))(trimesh.load(f"{stem}.ply", process=False)),
+    by_meshio, by_trimesh = meshio.read(f"{stem}.ply"), trimesh.load(f"{stem}.ply", process=False)
+    columns = by_trimesh.metadata["_ply_raw"]["vertex"]["data"]
+    for reader, points, triangles, arrays in (
+        ("meshio", by_meshio.points, by_meshio.cells_dict["triangle"], by_meshio.point_data),
+        ("trimesh", by_trimesh.vertices, by_trimesh.faces, {name: columns[name] for name in columns.dtype.names}),
     ):
         expect_equal(points, surface["Points"], f"positions of {reader}", 1e-12)
         expect_equal(triangles, surface["triangles"], f"triangles of {reader}", 0)
-    arrays = meshio.read(f"{stem}.ply").point_data
-    for name, wanted in surface.items():
-        if name in ("Points", "triangles", "Normals", "TCoords", "checker"):
-            continue
-        name = "rest" if name == "rest_position" else name
-        vectors = [f"{name}_{axis}" for axis in "xyz"]
-        found = numpy.stack([arrays[v] for v in vectors], axis=1) if wanted.ndim == 2 else arrays[name]
-        expect_equal(found, wanted, f"{name} of meshio", 0)
-    expect_equal(numpy.stack([arrays["s"], arrays["t"]], axis=1), surface["TCoords"], "s, t", 0)
-    colours = numpy.stack([arrays[c] for c in ("red", "green", "blue")], axis=1).astype("u1")  # signed in meshio
-    expect_equal(colours, surface["checker"], "colours", 0)
-    expect_equal(trimesh.load(f"{stem}.ply", process=False).visual.uv, surface["TCoords"], "s, t of trimesh", 0)
+        for name, wanted in surface.items():
+            if name in ("Points", "triangles", "TCoords", "checker"):
+                continue
+            found = numpy.stack([arrays[p] for p in properties(name, wanted)], axis=1)
+            expect_equal(found, wanted.reshape(len(wanted), -1), f"{name} of {reader}", 0)
+        expect_equal(numpy.stack([arrays["s"], arrays["t"]], axis=1), surface["TCoords"], f"s, t of {reader}", 0)
+        colours = numpy.stack([arrays[c] for c in ("red", "green", "blue")], axis=1).astype("u1")  # signed in meshio
+        expect_equal(colours, surface["checker"], f"colours of {reader}", 0)
+    expect_equal(by_trimesh.visual.uv, surface["TCoords"], "s, t as texture coordinates", 0)
 
 
 def check_obj(stem, surface):
     """meshio wants as many texture coordinates as there are vertices, and refuses the file."""
     mesh = trimesh.load(f"{stem}.obj", process=False)
-    where = mesh.vertices[mesh.faces]  # it has a vertex for each of the texture coordinates
-    expect_equal(where, surface["Points"][surface["triangles"]], "corners of trimesh", 1e-8)
+    corners = surface["triangles"]  # it has a vertex for each of the texture coordinates
+    expect_equal(mesh.vertices[mesh.faces], surface["Points"][corners], "corners of OBJ", 1e-8)
+    expect_equal(mesh.vertex_normals[mesh.faces], surface["Normals"][corners], "normals of OBJ", 1e-5)
+    expect_equal(mesh.vertex_attributes["color"][mesh.faces], surface["checker"][corners] / 255, "colours of OBJ", 1e-3)
     expect_seamless(mesh.visual.uv, mesh.faces, "OBJ")
 
 
 def check_glb(stem, surface):
-    mesh = trimesh.load(f"{stem}.glb", process=False, force="mesh")
+    """trimesh keeps no colours where there are texture coordinates. The scene's z points up, and the format's y."""
+    scene = trimesh.load(f"{stem}.glb", process=False)
+    (mesh,) = scene.geometry.values()
+    turned = scene.graph[scene.graph.nodes_geometry[0]][0][:3, :3]
+    expect_equal(turned @ [[1, 0], [0, 0], [0, 1]], [[1, 0], [0, 1], [0, 0]], "where GLB turns x and z", 1e-6)
     corners = surface["triangles"]
     expect_equal(mesh.vertices[mesh.faces], surface["Points"][corners], "corners of GLB", 1e-6)
-    for name, array in (("_REST", "rest_position"), ("_VELOCITY", "velocity"), ("_ID", "id"),
-                        ("_MEAN_CURVATURE", "mean_curvature")):
-        wanted = surface[array].reshape(len(surface["Points"]), -1)[corners].astype("f4")
-        found = numpy.asarray(mesh.vertex_attributes[name]).reshape(len(mesh.vertices), -1)[mesh.faces]
-        expect_equal(found, wanted, name, 0)
+    expect_seamless(mesh.visual.uv, mesh.faces, "GLB")
+    for name, wanted in surface.items():
+        if name in ("Points", "triangles", "Normals", "TCoords", "checker"):
+            continue
+        wanted = wanted.reshape(len(surface["Points"]), -1)[corners].astype("f4")
+        found = mesh.vertex_attributes["_" + in_files(name).upper()]
+        expect_equal(numpy.asarray(found).reshape(len(mesh.vertices), -1)[mesh.faces], wanted, f"{name} of GLB", 0)
 
 
 def main():
@@ -67,6 +88,7 @@ def main():
         stem = surfaces / f"surface_{frame:04}"
         surface = vtp_arrays.read(f"{stem}.vtp")
         expect(len(surface["Points"]) > 0, "there is no surface")
+        expect(surface.keys() >= ARRAYS, f"the surface lacks {ARRAYS - surface.keys()}: nothing was tested")
         check_ply(stem, surface)
         check_obj(stem, surface)
         check_glb(stem, surface)

@@ -85,9 +85,10 @@ def expect_surface(stage, method, frame, box):
     expect(mesh.GetNormalsInterpolation() == "vertex", "normals are not the vertices'")
     expect_equal(mesh.GetExtentAttr().Get(time), [points.min(axis=0), points.max(axis=0)], "extent")
     arrays = {"rest": surface["rest_position"].astype("f4"), "id": surface["id"]}
-    for name in ("source", "mean_curvature", "gaussian_curvature", "confidence", "material_slip"):
+    for name in ("source", "mean_curvature", "gaussian_curvature", "confidence", "material_slip", "rest_1", "rest_2",
+                 "rest_2_weight"):
         if name in surface:
-            arrays[name] = surface[name]
+            arrays[name] = surface[name].astype("f4")
     for name, wanted in arrays.items():
         primvar = UsdGeom.PrimvarsAPI(mesh).GetPrimvar(name)
         expect(primvar.GetInterpolation() == "vertex", f"{name} is not the vertices'")
