@@ -29,23 +29,16 @@ void make_tracker(Tracker* self, Particles& first, const Particles* next, const 
   });
 }
 
-/// Throws InvalidInput where the surface of a point cloud moves too far to be followed, as `kappaflow track`
-/// does.
-void check_cloud_motion(const TrackedSurfaces& surfaces, const Particles& next) {
+/// Throws InvalidInput where the surface of a point cloud moves too far to be followed.
+void check_motion_to(const Particles& next, const TrackedSurfaces& surfaces) {
   const ParticleFieldOptions& options = surfaces.field_options();
   const auto before = particle_field(surfaces.particles(), options), after = particle_field(next, options);
-  const double motion = surface_motion(*before, *after, options.sigma);
-  if (motion > kLargestCloudMotion)
-    throw InvalidInput(
-        fmt::format("the surface moves {:.2f} sigma since the frame before; without ids or velocities it can "
-                    "be followed up "
-                    "to {} sigma a frame: write frames more often, or ids, or set a larger sigma",
-                    motion, kLargestCloudMotion));
+  check_cloud_motion("the particles", *before, *after, options.sigma);
 }
 
 /// The particles are moved from.
 void advance(Tracker& self, Particles& next, bool is_cloud) {
-  if (is_cloud) self.use([&](const TrackedSurfaces& surfaces) { check_cloud_motion(surfaces, next); });
+  if (is_cloud) self.use([&](const TrackedSurfaces& surfaces) { check_motion_to(next, surfaces); });
   self.move_on([&](TrackedSurfaces& surfaces) { surfaces.advance(std::move(next)); });
 }
 

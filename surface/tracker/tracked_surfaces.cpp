@@ -10,6 +10,7 @@
 #include "core/nearest_points.h"
 #include "core/quantile.h"
 #include "core/whole_within.h"
+#include "surface/measure/surface_motion.h"
 #include "surface/motion/material.h"
 #include "surface/motion/regional.h"
 #include "surface/remesh/initial_mesh.h"

@@ -17,11 +17,6 @@
 
 namespace kappaflow {
 
-/// The furthest that the surface of a point cloud may move from one instant to the next, in sigma (see
-/// surface_motion()): beyond it the mean of both fields no longer stands for the field between them
-/// (docs/track.md has measurements).
-inline constexpr double kLargestCloudMotion = 0.1;
-
 /// How the surface of particles is defined, meshed and tracked. The defaults suit liquids.
 struct SurfaceOptions {
   double sigma = 2;  ///< support radius of Eq. 12 in particle spacings

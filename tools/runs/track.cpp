@@ -82,18 +82,11 @@ fs::path folder_for(const TrackOptions& options, const ParticleSequence& sequenc
 }
 
 /// Throws InvalidInput where a point cloud's surface moves too far between two frames.
-void check_cloud_motion(ParticleSequence& sequence, const ParticleFieldOptions& field) {
+void check_motion_of_frames(ParticleSequence& sequence, const ParticleFieldOptions& field) {
   auto before = particle_field(sequence.frame(0).particles, field);
   for (std::size_t k = 1; k < sequence.size(); ++k) {
     auto after = particle_field(sequence.frame(k).particles, field);
-    const double motion = surface_motion(*before, *after, field.sigma);
-    if (motion > kLargestCloudMotion)
-      throw InvalidInput(
-          {sequence.file(k).string()},
-          fmt::format("the surface moves {:.2f} sigma since the frame before; without ids or "
-                      "velocities it can be followed up to {} sigma a frame: write frames more "
-                      "often, or ids, or set a larger --sigma",
-                      motion, kLargestCloudMotion));
+    check_cloud_motion(sequence.file(k).string(), *before, *after, field.sigma);
     before = std::move(after);
   }
 }
@@ -167,7 +160,7 @@ SequenceFrames first_frame(ParticleSequence& sequence, const SurfaceOptions& sur
 // Until there is something to save a signal ends the program at once.
 RunSummary begin(const TrackOptions& options, ParticleSequence& sequence, const Stopwatch& watch) {
   const TrackSetup setup = make_setup(options, sequence, sequence.frame(0).particles);
-  if (setup.surface.is_cloud) check_cloud_motion(sequence, setup.field);
+  if (setup.surface.is_cloud) check_motion_of_frames(sequence, setup.field);
   SequenceFrames frames = first_frame(sequence, setup.surface, options);
   const InterruptGuard guard;
   RunFolder folder(folder_for(options, sequence), setup.surface.methods, options.force);
