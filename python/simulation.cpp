@@ -17,16 +17,26 @@
 #include "python/bindings.h"
 #include "python/exclusive.h"
 #include "python/frame.h"
+#include "surface/tracker/rest_pair.h"
 
 namespace kappaflow::python {
 namespace {
 
 /// A scene, and how far it has come.
 struct RunningScene {
-  explicit RunningScene(PreparedScene prepared) : scene(prepared.scene), simulation(std::move(prepared)) {}
+  explicit RunningScene(PreparedScene prepared) : scene(prepared.scene), simulation(std::move(prepared)) {
+    if (scene.output.rest_interval > 0) rest_pair.emplace(simulation.surfaces(), scene.output.rest_interval);
+    arrive_at(0);
+  }
+
+  void arrive_at(int reached) {
+    frame = reached;
+    if (rest_pair) rest_pair->update(simulation.surfaces(), frame);
+  }
 
   Scene scene;
   Simulation simulation;
+  std::optional<RestPair> rest_pair;
   int frame = 0;
 };
 
@@ -74,7 +84,7 @@ FluidStep step(Running& self) {
       done = fluid;
       return false;
     });
-    if (arrived) ++running.frame;
+    if (arrived) running.arrive_at(running.frame + 1);
     return done;
   });
 }
@@ -85,7 +95,7 @@ void advance(Running& self) {
   const bool arrived = self.move_on([](RunningScene& running) {
     const bool there =
         running.simulation.advance(next_time(running), [](const FluidStep&) { return !interrupted(); });
-    if (there) ++running.frame;
+    if (there) running.arrive_at(running.frame + 1);
     return there;
   });
   if (!arrived) throw nb::python_error();

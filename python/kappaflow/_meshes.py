@@ -45,9 +45,9 @@ class Mesh(Points):
 
     The arrays have the names of surface files (docs/outputs.md): `Normals`, `velocity` [m/s], `confidence`,
     `mean_curvature` [1/m], `gaussian_curvature` [1/m2], `rest_position` [m], `id`, `source`, `material_slip` [m/s],
-    `unprojected`, and those that were added. From a Tracker or a Simulation they are in double precision, and
-    `area` [m2] and `material_velocity` [m/s] are there too; from files most are in single precision, and `TCoords` and
-    `checker` are there too."""
+    `unprojected`, those that were added, and of a scene with a `rest_interval` `rest_1`, `rest_2` and `rest_2_weight`. From
+    a Tracker or a Simulation they are in double precision, and `area` [m2] and `material_velocity` [m/s] are there too;
+    from files most are in single precision, and `TCoords` and `checker` are there too."""
 
     triangles: NDArray[np.generic]
     """(m, 3) vertices, counter-clockwise seen from outside"""

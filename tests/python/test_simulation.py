@@ -1,5 +1,7 @@
 """simulate() against the program's run, bit for bit."""
 
+import subprocess
+
 import numpy as np
 import pytest
 from conftest import METHODS, SCENE, same_bits
@@ -40,6 +42,24 @@ def test_step_by_step_is_the_same_as_frame_by_frame():
     assert max(step.viscosity_error for step in steps) <= 1 and max(step.fastest for step in steps) > 1
     assert [by_frames.last_frame, *by_frames.frames()] == [2, 1, 2]
     assert by_frames.time == pytest.approx(0.05)
+
+
+def test_a_pair_of_rest_positions_is_what_the_program_writes(program, tmp_path):
+    scene = tmp_path / "pair.toml"
+    scene.write_text(SHORT.replace("duration = 0.05 ", "duration = 0.2 ").replace("[output]", "[output]\nrest_interval = 2"))
+    subprocess.run([program, "run", scene, "--track", "total,regional", "--out", tmp_path / "run", "--quiet"], check=True)
+    meshes = kappaflow.read_run(tmp_path / "run").meshes("regional")
+    simulation = kappaflow.simulate(scene, methods=["total", "regional"])
+    for frame in simulation.frames():
+        mesh = simulation.mesh("regional")
+        for name in ("rest_1", "rest_2", "rest_2_weight"):
+            assert same_bits(mesh[name], meshes[frame][name]), (frame, name)
+        if frame % 4 == 0:  # the first surface, when rest_1 was reset
+            first = simulation.mesh().positions
+        texture = kappaflow.texture_coordinates(mesh["rest_1"], first)
+        assert same_bits(texture.astype(np.float32), meshes[frame]["texture_1"])
+    assert simulation.frame == 5 and 0 < mesh["rest_2_weight"].max() < 1
+    assert "rest_1" not in kappaflow.simulate(SHORT).mesh().arrays
 
 
 def test_methods_and_walls():
