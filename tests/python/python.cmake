@@ -29,5 +29,5 @@ endif()
 execute_process(COMMAND ${python} -m pip install --quiet --no-build-isolation --no-deps --force-reinstall ${SOURCE_DIR}
                 COMMAND_ERROR_IS_FATAL ANY)
 set(ENV{KAPPAFLOW_PROGRAM} ${PROGRAM})
-execute_process(COMMAND ${python} -m pytest -q -p no:cacheprovider ${SOURCE_DIR}/tests/python WORKING_DIRECTORY ${FOLDER}
+execute_process(COMMAND ${python} -m pytest -q -rs -p no:cacheprovider ${SOURCE_DIR}/tests/python WORKING_DIRECTORY ${FOLDER}
                 COMMAND_ERROR_IS_FATAL ANY)
