@@ -210,13 +210,18 @@ void ParticleField::sample(SampledField& samples) const {
   const auto& dims = samples.dims;
   samples.value.resize(static_cast<std::size_t>(dims[0]) * dims[1] * dims[2]);
   const double inverse_spacing = 1 / samples.spacing;
+  const Vec3 half = 0.5 * samples.spacing * Vec3(dims[0] - 1, dims[1] - 1, dims[2] - 1),
+             middle = samples.origin + Vec3(0, 0, samples.spacing * samples.first_plane) + half;
+  const double reach = half.maxCoeff() + largest_sigma_;
   const auto fill_slab = [&](std::size_t s) {
     FieldSlab slab(samples, static_cast<int>(s));
-    for (std::size_t p = 0; p < x_.size(); ++p) {
-      const Vec3 centre = inverse_spacing * (Vec3(x_[p], y_[p], z_[p]) - samples.origin);
-      const double sigma = source_[p].sigma * inverse_spacing;
-      if (slab.reached(centre[2], sigma)) slab.add(centre, sigma, weight_[p]);
-    }
+    grid_.ranges_near(middle, reach, [&](std::uint32_t begin, std::uint32_t end) {
+      for (std::uint32_t p = begin; p < end; ++p) {
+        const Vec3 centre = inverse_spacing * (Vec3(x_[p], y_[p], z_[p]) - samples.origin);
+        const double sigma = source_[p].sigma * inverse_spacing;
+        if (slab.reached(centre[2], sigma)) slab.add(centre, sigma, weight_[p]);
+      }
+    });
     slab.write(threshold_, samples.value);
   };
   parallel_for(static_cast<std::size_t>(FieldSlab::count(samples)), fill_slab, 1);

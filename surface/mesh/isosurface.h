@@ -36,20 +36,4 @@ struct LatticeBlock {
   std::array<int, 3> first{0, 0, 0}, last{-1, -1, -1};
 };
 
-/// The part of f = 0 in a block of a lattice; open where it leaves the block. One entry a vertex but for
-/// triangles.
-struct LocalIsosurface {
-  std::vector<Vec3> position;  ///< [m]
-  std::vector<Vec3> gradient;  ///< grad f there [1/m]
-  std::vector<char> exact;     ///< 1 where |f|/|g| is below the tolerance
-  std::vector<char> at_side;   ///< 1 on the block's sides
-  std::vector<Triangle> triangles;
-};
-
-/// Vertices lie on the lattice's edges, where the false position method (Illinois) finds f = 0 to
-/// `tolerance` [m]: unlike Eq. 11 it succeeds also where surfaces are about to merge or to part and the
-/// gradient vanishes. lattice: as isosurface_lattice() makes it.
-LocalIsosurface local_isosurface(const Field& field, const SampledField& lattice, const LatticeBlock& block,
-                                 double tolerance);
-
 }  // namespace kappaflow

@@ -35,8 +35,7 @@ void MeshEdits::set_twins() {
   if (const auto open = std::ranges::find(twin_, -1); open != twin_.end())
     throw TopologyError(mesh_->position[end(static_cast<int>(open - twin_.begin()))],
                         "a mesh to be edited is not closed and manifold here");
-  out_.assign(mesh_->vertex_count(), -1);
-  for (int h = half_edges() - 1; h >= 0; --h) out_[origin(h)] = h;
+  set_first_half_edges();
 }
 
 void MeshEdits::finish() {
@@ -206,7 +205,6 @@ void MeshEdits::discard_tried() {
   mesh_->unprojected.resize(out_.size());
 }
 
-/// Whether each edge along which removed triangles border on others is there again.
 bool MeshEdits::closes_rim(std::span<const int> removed, std::span<const Triangle> added) const {
   std::vector<int> gone(removed.begin(), removed.end());
   std::ranges::sort(gone);
@@ -295,8 +293,23 @@ void MeshEdits::put_in(std::span<const Triangle> added, std::vector<int>& open) 
 }
 
 void MeshEdits::drop_removed_triangles() {
-  std::erase(mesh_->triangles, kRemovedTriangle);
-  set_twins();
+  std::vector<Triangle>& triangles = mesh_->triangles;
+  std::vector<int> number(triangles.size());
+  int kept = 0;
+  for (std::size_t t = 0; t < triangles.size(); ++t) number[t] = triangles[t][0] < 0 ? -1 : kept++;
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (int c = 0; c < 3 && number[t] >= 0; ++c) {
+      const int twin = twin_[3 * t + c];
+      twin_[3 * number[t] + c] = 3 * number[twin / 3] + twin % 3;
+    }
+  std::erase(triangles, kRemovedTriangle);
+  twin_.resize(3 * triangles.size());
+  set_first_half_edges();
+}
+
+void MeshEdits::set_first_half_edges() {
+  out_.assign(mesh_->vertex_count(), -1);
+  for (int h = half_edges() - 1; h >= 0; --h) out_[origin(h)] = h;
 }
 
 }  // namespace kappaflow

@@ -84,9 +84,11 @@ class MeshEdits {
   /// Of the triangles to be added in exchange for those removed, those with which the mesh would not be
   /// closed, oriented and manifold, by number, ascending. Corners are vertices of the mesh or on trial.
   std::vector<int> misfits(std::span<const int> removed, std::span<const Triangle> added) const;
+  /// Whether each edge along which removed triangles border on others is among those of the added ones.
+  bool closes_rim(std::span<const int> removed, std::span<const Triangle> added) const;
   /// Takes triangles out and puts others in; makes the vertices on trial vertices of the mesh, from[i] saying
   /// where the i-th of them comes from; empty: all from nowhere. The guard is not asked: this is how the
-  /// topology changes. Refused where there are misfits(), or the rim of what is taken out stays open.
+  /// topology changes. Refused where there are misfits(), or where it is not closes_rim().
   [[nodiscard]] bool exchange(std::span<const int> removed, std::span<const Triangle> added,
                               std::span<const VertexBlend> from);
   /// Drops what exchange() took out from the mesh's triangles, which renumbers them.
@@ -104,12 +106,12 @@ class MeshEdits {
   }
   bool allows_fan(int v, const Vec3& x) const;
   int add_vertex(const VertexBlend& from, const Vec3& x);
-  bool closes_rim(std::span<const int> removed, std::span<const Triangle> added) const;
   std::vector<Triangle> staying_around(std::span<const int> removed, std::span<const Triangle> added) const;
   void take_out(std::span<const int> removed, std::vector<int>& open);
   void put_in(std::span<const Triangle> added, std::vector<int>& open);
   int add_triangle(const Triangle& triangle);
   void set_twins();
+  void set_first_half_edges();
 
   TriangleMesh* mesh_ = nullptr;
   const EditGuard* guard_ = nullptr;

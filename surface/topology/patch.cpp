@@ -20,6 +20,11 @@ constexpr int kSidePadding = 2;            // cells between all that matters and
 constexpr int kRimRounds = 20;             // of smoothing the rim
 constexpr std::size_t kSmallestPiece = 3;  // triangles of a patch that is worth sewing in
 
+void sort_unique(std::vector<int>& numbers) {
+  std::ranges::sort(numbers);
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+}
+
 bool has_vertex(const Triangle& t, std::span<const int> sorted_vertices) {
   return std::ranges::any_of(t, [&](int v) { return std::ranges::binary_search(sorted_vertices, v); });
 }
@@ -45,52 +50,43 @@ bool has_edges_along(const Triangle& t, std::span<const std::pair<int, int>> edg
   return along >= 2;
 }
 
-/// Whether x is in the triangle's box, widened by `reach`.
-bool is_near_box(const std::array<Vec3, 3>& corner, const Vec3& x, double reach) {
-  const auto& [a, b, c] = corner;
-  return (x.array() >= a.cwiseMin(b).cwiseMin(c).array() - reach).all() &&
-         (x.array() <= a.cwiseMax(b).cwiseMax(c).array() + reach).all();
-}
-
-/// Those of the triangles that come within `reach` of the box around some points.
-std::vector<int> near_box(const TriangleMesh& mesh, std::span<const int> triangles,
-                          std::span<const Vec3> points, double reach) {
-  Vec3 lower = Vec3::Constant(kInfinity), upper = -lower;
-  for (const Vec3& x : points) {
-    lower = lower.cwiseMin(x);
-    upper = upper.cwiseMax(x);
+/// The triangles that stay: the patch is what of f = 0 keeps a distance from them.
+class KeptTriangles {
+ public:
+  KeptTriangles(const TriangleMesh& mesh, std::span<const int> kept, double gap)
+      : mesh_(mesh), gap_(gap), box_(mesh.triangles.size()), bins_(mesh, kept, gap) {
+    for (const int t : kept) {
+      const auto [a, b, c] = corners(t);
+      box_[t] = {a.cwiseMin(b).cwiseMin(c).array() - gap, a.cwiseMax(b).cwiseMax(c).array() + gap};
+    }
   }
-  std::vector<int> near;
-  for (const int t : triangles) {
-    const auto& [a, b, c] = mesh.triangles[t];
-    const Vec3 &x = mesh.position[a], &y = mesh.position[b], &z = mesh.position[c];
-    if ((x.cwiseMin(y).cwiseMin(z).array() - reach <= upper.array()).all() &&
-        (x.cwiseMax(y).cwiseMax(z).array() + reach >= lower.array()).all())
-      near.push_back(t);
-  }
-  return near;
-}
 
-/// The patch is what of the isosurface keeps a distance from the mesh that stays.
-std::vector<Triangle> away_from_kept(const LocalIsosurface& iso, const TriangleMesh& mesh,
-                                     std::span<const int> kept, double gap) {
-  const TriangleBins bins(mesh, near_box(mesh, kept, iso.position, gap), gap);
-  std::vector<char> near(iso.position.size());
-  parallel_for(near.size(), [&](std::size_t v) {
-    const Vec3 normal = -iso.gradient[v].normalized();
-    near[v] = bins.any_near(iso.position[v], [&](int t) {
-      const auto& [a, b, c] = mesh.triangles[t];
-      const std::array<Vec3, 3> at{mesh.position[a], mesh.position[b], mesh.position[c]};
-      return is_near_box(at, iso.position[v], gap) &&
-             (nearest_on_triangle(at, iso.position[v]).point - iso.position[v]).norm() <= gap &&
+  /// Whether one is within the gap of a point of f = 0 with this gradient, on the same side of the liquid.
+  bool is_near(const Vec3& x, const Vec3& gradient) const {
+    const Vec3 normal = -gradient.normalized();
+    return bins_.any_near(x, [&](int t) {
+      if (!((x.array() >= box_[t].lower.array()).all() && (x.array() <= box_[t].upper.array()).all()))
+        return false;
+      const std::array<Vec3, 3> at = corners(t);
+      return (nearest_on_triangle(at, x).point - x).norm() <= gap_ &&
              twice_area_vector(at[0], at[1], at[2]).normalized().dot(normal) > kSameSide;
     });
-  });
-  std::vector<Triangle> patch;
-  for (const Triangle& t : iso.triangles)
-    if (std::ranges::none_of(t, [&](int v) { return near[v]; })) patch.push_back(t);
-  return patch;
-}
+  }
+
+ private:
+  struct Box {
+    Vec3 lower, upper;
+  };
+  std::array<Vec3, 3> corners(int t) const {
+    const auto& [a, b, c] = mesh_.triangles[t];
+    return {mesh_.position[a], mesh_.position[b], mesh_.position[c]};
+  }
+
+  const TriangleMesh& mesh_;
+  double gap_;
+  std::vector<Box> box_;
+  TriangleBins bins_;
+};
 
 /// Pieces of the patch that end at the block's side belong to another region, unless they reach into this
 /// one: then the block is too small. So do closed ones outside; and specks go.
@@ -120,6 +116,45 @@ Obstacles drop_foreign_pieces(const SampledField& lattice, const CellRegion& reg
   return {};
 }
 
+/// The cells of corners and centroids of the triangles.
+std::vector<LatticeCell> cells_of(const SampledField& lattice, const TriangleMesh& mesh,
+                                  std::span<const int> triangles) {
+  std::vector<LatticeCell> cells;
+  for (const int t : triangles) {
+    const auto& [a, b, c] = mesh.triangles[t];
+    const Vec3 &x = mesh.position[a], &y = mesh.position[b], &z = mesh.position[c];
+    for (const Vec3& p : {x, y, z, Vec3((x + y + z) / 3)}) cells.push_back(cell_of(lattice, p));
+  }
+  return cells;
+}
+
+/// The cell of the lattice that holds one of a finer lattice.
+LatticeCell coarser(const LatticeCell& cell, int finer) {
+  LatticeCell result;
+  for (int a = 0; a < 3; ++a) result[a] = (cell[a] >= 0 ? cell[a] : cell[a] - finer + 1) / finer;
+  return result;
+}
+
+/// Appends the cells of the finer lattice in those of the region.
+void add_finer_cells(const CellRegion& region, int finer, std::vector<LatticeCell>& cells) {
+  const auto [first, last] = region.block();
+  LatticeCell at;
+  for (at[2] = first[2] * finer; at[2] < last[2] * finer; ++at[2])
+    for (at[1] = first[1] * finer; at[1] < last[1] * finer; ++at[1])
+      for (at[0] = first[0] * finer; at[0] < last[0] * finer; ++at[0])
+        if (region.has(coarser(at, finer))) cells.push_back(at);
+}
+
+/// Where a patch is looked for: in the region, and near all that is taken out.
+std::vector<LatticeCell> seeds_of(const SampledField& lattice, const TriangleMesh& mesh, const Hole& hole,
+                                  const CellRegion& region, int finer) {
+  std::vector<LatticeCell> seeds;
+  add_finer_cells(region, finer, seeds);
+  if (!hole.removed.empty())
+    add_finer_cells(CellRegion(cells_of(lattice, mesh, hole.removed), 1), finer, seeds);
+  return seeds;
+}
+
 }  // namespace
 
 std::vector<Triangle> triangles_of(const TriangleMesh& mesh, std::span<const int> numbers) {
@@ -129,19 +164,41 @@ std::vector<Triangle> triangles_of(const TriangleMesh& mesh, std::span<const int
   return result;
 }
 
+Surroundings surroundings_of(const MeshEdits& edits, const VertexCells& vertices, const SampledField& lattice,
+                             const CellRegion& around) {
+  const TriangleMesh& mesh = edits.mesh();
+  Surroundings near;
+  vertices.for_each_in(around.block(), [&](int v) {
+    if (edits.is_alive(v) && around.has(cell_of(lattice, mesh.position[v])))
+      edits.for_each_out(v, [&](int h) { near.triangle.push_back(h / 3); });
+  });
+  sort_unique(near.triangle);
+  for (const int t : near.triangle)
+    near.vertex.insert(near.vertex.end(), mesh.triangles[t].begin(), mesh.triangles[t].end());
+  sort_unique(near.vertex);
+  for (const int v : near.vertex) {
+    near.mesh.position.push_back(mesh.position[v]);
+    near.mesh.gradient.push_back(mesh.gradient[v]);
+  }
+  for (const int t : near.triangle) {
+    Triangle& triangle = near.mesh.triangles.emplace_back(mesh.triangles[t]);
+    for (int& v : triangle)
+      v = static_cast<int>(std::ranges::lower_bound(near.vertex, v) - near.vertex.begin());
+  }
+  return near;
+}
+
 Hole hole_in(const TriangleMesh& mesh, const SampledField& lattice, const CellRegion& region,
              const CellRegion& around) {
   enum Place : char { outside, near, inside };
   std::vector<char> place(mesh.vertex_count());
-  parallel_for(place.size(), [&](std::size_t v) {
+  for (std::size_t v = 0; v < place.size(); ++v) {
     const LatticeCell cell = cell_of(lattice, mesh.position[v]);
     place[v] = region.has(cell) ? inside : around.has(cell) ? near : outside;
-  });
+  }
   Hole hole;
   for (int t = 0; t < static_cast<int>(mesh.triangles.size()); ++t) {
-    const Triangle& triangle = mesh.triangles[t];
-    if (triangle == kRemovedTriangle) continue;
-    const auto& [a, b, c] = triangle;
+    const auto& [a, b, c] = mesh.triangles[t];
     const char innermost = std::max({place[a], place[b], place[c]});
     if (innermost == inside) hole.removed.push_back(t);
     if (innermost == near) hole.kept.push_back(t);
@@ -172,13 +229,10 @@ LatticeBlock block_around(const ReplacementSetting& setting, const TriangleMesh&
   LatticeBlock block = region.block();
   const int padding =
       kSidePadding + static_cast<int>(std::ceil(kGap * setting.edge_length / setting.lattice.spacing));
-  for (const int t : hole.removed)
-    for (const int v : mesh.triangles[t]) {
-      const LatticeCell cell = cell_of(setting.lattice, mesh.position[v]);
-      for (int a = 0; a < 3; ++a) {
-        block.first[a] = std::min(block.first[a], cell[a]);
-        block.last[a] = std::max(block.last[a], cell[a] + 1);
-      }
+  for (const LatticeCell& cell : cells_of(setting.lattice, mesh, hole.removed))
+    for (int a = 0; a < 3; ++a) {
+      block.first[a] = std::min(block.first[a], cell[a]);
+      block.last[a] = std::max(block.last[a], cell[a] + 1);
     }
   for (int a = 0; a < 3; ++a) {
     block.first[a] -= padding;
@@ -196,8 +250,11 @@ Obstacles make_patch(const ReplacementSetting& setting, const TriangleMesh& mesh
     fine.first[a] *= finer;
     fine.last[a] *= finer;
   }
-  patch.iso = local_isosurface(setting.field, lattice, fine, setting.tolerance);
-  patch.triangles = away_from_kept(patch.iso, mesh, hole.kept, kGap * setting.edge_length);
+  const KeptTriangles kept(mesh, hole.kept, kGap * setting.edge_length);
+  patch.iso = local_isosurface(setting.field, lattice, fine, setting.tolerance,
+                               seeds_of(setting.lattice, mesh, hole, region, finer),
+                               [&](const Vec3& x, const Vec3& g) { return kept.is_near(x, g); });
+  patch.triangles = std::move(patch.iso.triangles);
   return drop_foreign_pieces(setting.lattice, region, patch);
 }
 

@@ -3,23 +3,38 @@
 
 #include <vector>
 
-#include "surface/topology/region_replacement.h"
+#include "surface/mesh/local_isosurface.h"
+#include "surface/mesh/mesh_edits.h"
+#include "surface/topology/replacement.h"
+#include "surface/topology/vertex_cells.h"
 
 namespace kappaflow {
 
 /// Places where an attempt at a replacement failed, beyond which a wider one should reach; none: all is well.
 using Obstacles = std::vector<Vec3>;
 
-/// Triangles of the mesh that are to be taken out, and those around that stay.
+/// The part of a mesh around a region. Vertices and triangles have numbers of their own, in the mesh's order.
+struct Surroundings {
+  TriangleMesh mesh;          ///< places, gradients and triangles alone; vertices of a patch follow
+  std::vector<int> vertex;    ///< the number of each in the whole mesh, ascending; without those of a patch
+  std::vector<int> triangle;  ///< likewise
+};
+
+/// Triangles of the surroundings that are to be taken out, and those around that stay.
 struct Hole {
   std::vector<int> removed, kept;
 };
 
-/// What is to be put in: triangles of an isosurface, first by its own vertices' numbers, then by the mesh's.
+/// What is to be put in: triangles of an isosurface, first by its own vertices' numbers, then by those of the
+/// surroundings.
 struct Patch {
   LocalIsosurface iso;
   std::vector<Triangle> triangles;
 };
+
+/// The triangles of the mesh with a corner in `around`.
+Surroundings surroundings_of(const MeshEdits& edits, const VertexCells& vertices, const SampledField& lattice,
+                             const CellRegion& around);
 
 std::vector<Triangle> triangles_of(const TriangleMesh& mesh, std::span<const int> numbers);
 
@@ -34,8 +49,9 @@ Obstacles smooth_rim(const TriangleMesh& mesh, Hole& hole);
 LatticeBlock block_around(const ReplacementSetting& setting, const TriangleMesh& mesh, const Hole& hole,
                           const CellRegion& region);
 
-/// Cuts the patch out of the isosurface on a lattice that is finer by a whole number. Its points are the
-/// lattice's and others between them: what agrees with one agrees with the other.
+/// Follows f = 0 from the region and the hole up to the triangles that stay, on a lattice that is finer by a
+/// whole number. Its points are the lattice's and others between them: what agrees with one agrees with the
+/// other.
 Obstacles make_patch(const ReplacementSetting& setting, const TriangleMesh& mesh, const Hole& hole,
                      const CellRegion& region, const LatticeBlock& block, int finer, Patch& patch);
 

@@ -1,24 +1,11 @@
-// Takes one region of a mesh out and puts the isosurface in.
+// Takes regions of a mesh out and puts the isosurface in.
 #pragma once
 
-#include <span>
 #include <vector>
 
-#include "surface/mesh/isosurface.h"
-#include "surface/mesh/mesh_edits.h"
-#include "surface/topology/cell_region.h"
+#include "surface/topology/replacement.h"
 
 namespace kappaflow {
-
-/// What the replacements of one step share.
-struct ReplacementSetting {
-  const Field& field;
-  const SampledField& lattice;  ///< its values are not read
-  double edge_length;           ///< of the mesh [m]
-  double tolerance;             ///< of new vertices [m]
-  double off_surface;           ///< distance from f = 0 beyond which a new triangle is not wanted [m]
-  bool may_be_finer;            ///< whether patches whose chords miss a rim or tip are made finer
-};
 
 /// What was replaced.
 struct Replaced {
@@ -27,9 +14,12 @@ struct Replaced {
   std::vector<LatticeBlock> blocks;  ///< around what each replacement touched
 };
 
-/// Replaces the mesh in the cells and those up to `growth` away; if that does not give a sound mesh, also
-/// where it was not, and so on. Returns whether one was reached; if not, the mesh is as it was.
-bool replace_region(const ReplacementSetting& setting, std::span<const LatticeCell> cells, int growth,
-                    MeshEdits& edits, Replaced& replaced);
+/// Replaces the mesh in each of the regions and up to `growth` cells around, wider where that is needed.
+/// Replacements that do not depend on each other are found in parallel and made in the order of the regions;
+/// the others wait for a later round: results do not depend on the threads. Returns how many regions stay as
+/// they were because no sound mesh was found.
+std::size_t replace_regions(const ReplacementSetting& setting,
+                            const std::vector<std::vector<LatticeCell>>& regions, int growth,
+                            MeshEdits& edits, Replaced& replaced);
 
 }  // namespace kappaflow

@@ -41,12 +41,13 @@ int matching_hole(const TriangleMesh& mesh, std::span<const int> loop, const Loo
 }
 
 /// Takes a piece of the patch with no other loop than this one away.
-bool drop_island(const MeshEdits& edits, const Loops& loops, std::size_t loop, std::vector<Triangle>& patch) {
-  const int first = static_cast<int>(edits.first_tried());
-  std::vector<Triangle> own = patch;  // by the numbers of the vertices on trial
+bool drop_island(const Surroundings& near, const Loops& loops, std::size_t loop,
+                 std::vector<Triangle>& patch) {
+  const int first = static_cast<int>(near.vertex.size());
+  std::vector<Triangle> own = patch;  // by the numbers of its own vertices
   for (Triangle& t : own)
     for (int& v : t) v -= first;
-  const std::vector<int> piece = vertex_pieces(edits.mesh().vertex_count() - first, own);
+  const std::vector<int> piece = vertex_pieces(near.mesh.vertex_count() - first, own);
   const auto piece_of = [&](int v) { return piece[v - first]; };
   const int island = piece_of(loops[loop][0]);
   if (std::ranges::count_if(loops, [&](const auto& l) { return piece_of(l[0]) == island; }) > 1) return false;
@@ -55,9 +56,9 @@ bool drop_island(const MeshEdits& edits, const Loops& loops, std::size_t loop, s
 }
 
 /// loop_at: for each of the holes the loop of the patch that it is joined with, -1 where there is none.
-Obstacles match_loops(const MeshEdits& edits, const Loops& holes, const Loops& loops,
+Obstacles match_loops(const Surroundings& near, const Loops& holes, const Loops& loops,
                       std::vector<Triangle>& patch, std::vector<int>& loop_at) {
-  const TriangleMesh& mesh = edits.mesh();
+  const TriangleMesh& mesh = near.mesh;
   loop_at.assign(holes.size(), -1);
   for (std::size_t l = 0; l < loops.size(); ++l) {
     const int hole = matching_hole(mesh, loops[l], holes);
@@ -68,7 +69,7 @@ Obstacles match_loops(const MeshEdits& edits, const Loops& holes, const Loops& l
       continue;
     }
     const bool larger = loops[l].size() > loops[taken].size();
-    if (!drop_island(edits, loops, larger ? taken : l, patch)) return places_of(mesh, holes[hole]);
+    if (!drop_island(near, loops, larger ? taken : l, patch)) return places_of(mesh, holes[hole]);
     if (larger) taken = static_cast<int>(l);
   }
   return {};
@@ -76,12 +77,12 @@ Obstacles match_loops(const MeshEdits& edits, const Loops& holes, const Loops& l
 
 }  // namespace
 
-Obstacles sew(const MeshEdits& edits, const Hole& hole, std::vector<Triangle>& patch,
+Obstacles sew(const Surroundings& near, const Hole& hole, std::vector<Triangle>& patch,
               std::vector<Triangle>& seams) {
-  const TriangleMesh& mesh = edits.mesh();
+  const TriangleMesh& mesh = near.mesh;
   const Loops holes = boundary_of(triangles_of(mesh, hole.removed)).loops, loops = boundary_of(patch).loops;
   std::vector<int> loop_at;
-  if (Obstacles found = match_loops(edits, holes, loops, patch, loop_at); !found.empty()) return found;
+  if (Obstacles found = match_loops(near, holes, loops, patch, loop_at); !found.empty()) return found;
   for (std::size_t h = 0; h < holes.size(); ++h) {
     if (loop_at[h] < 0 && holes[h].size() > kLongestFill) return places_of(mesh, holes[h]);
     const std::vector<Triangle> seam =
@@ -92,23 +93,24 @@ Obstacles sew(const MeshEdits& edits, const Hole& hole, std::vector<Triangle>& p
   return {};
 }
 
-Obstacles unsound_places(const ReplacementSetting& setting, const MeshEdits& edits, const Hole& hole,
-                         std::span<const Triangle> patch, std::span<const Triangle> seams) {
-  const TriangleMesh& mesh = edits.mesh();
+Obstacles seams_off_surface(const ReplacementSetting& setting, const Surroundings& near,
+                            std::span<const Triangle> seams) {
   Obstacles found;
-  const auto add = [&](const Triangle& t) {
-    for (const int v : t) found.push_back(mesh.position[v]);
-  };
   for (const Triangle& t : seams)
-    if (is_off_surface(setting.field, mesh.position, mesh.gradient, t, setting.off_surface)) add(t);
-  if (!found.empty()) return found;
-  std::vector<Triangle> all = triangles_of(mesh, hole.kept);
+    if (is_off_surface(setting.field, near.mesh.position, near.mesh.gradient, t, setting.off_surface))
+      for (const int v : t) found.push_back(near.mesh.position[v]);
+  return found;
+}
+
+Obstacles crossings(const Surroundings& near, const Hole& hole, std::span<const Triangle> patch,
+                    std::span<const Triangle> seams) {
+  std::vector<Triangle> all = triangles_of(near.mesh, hole.kept);
   const std::size_t kept = all.size();
   all.insert(all.end(), patch.begin(), patch.end());
   all.insert(all.end(), seams.begin(), seams.end());
-  for (const int t : edits.misfits(hole.removed, std::span(all).subspan(kept))) add(all[kept + t]);
-  if (!found.empty()) return found;
-  for (const int t : intersecting_triangles(mesh.position, all, kept)) add(all[t]);
+  Obstacles found;
+  for (const int t : intersecting_triangles(near.mesh.position, all, kept))
+    for (const int v : all[t]) found.push_back(near.mesh.position[v]);
   return found;
 }
 

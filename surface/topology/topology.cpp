@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/parallel.h"
 #include "surface/mesh/isosurface.h"
 #include "surface/mesh/self_intersection.h"
 #include "surface/topology/disagreement.h"
@@ -96,11 +97,15 @@ void add_cells_at_threads(const TriangleMesh& mesh, double shortest, const Sampl
 void add_cells_in_dispute(const Field& field, const TriangleMesh& mesh, double edge_length,
                           const SampledField& lattice, std::span<const LatticeBlock> blocks,
                           std::vector<LatticeCell>& cells) {
-  for (const LatticeBlock& block : blocks) {
-    const std::vector<LatticeCell> disputed =
-        cells_in_dispute(field, mesh, kDispute * edge_length, lattice, block);
-    cells.insert(cells.end(), disputed.begin(), disputed.end());
-  }
+  std::vector<std::vector<LatticeCell>> disputed(blocks.size());
+  parallel_for(
+      blocks.size(),
+      [&](std::size_t b) {
+        disputed[b] = cells_in_dispute(field, mesh, kDispute * edge_length, lattice, blocks[b]);
+      },
+      1);
+  for (const std::vector<LatticeCell>& of_block : disputed)
+    cells.insert(cells.end(), of_block.begin(), of_block.end());
 }
 
 /// All of the lattice's cells.
@@ -171,10 +176,8 @@ TopologyCounts TopologyChange::change(const Field& field, const TopologyOptions&
   edits_.start(mesh);
   Replaced replaced;
   for (int pass = 0; pass < kPasses && !cells.empty(); ++pass) {
-    counts.refused = 0;
     replaced.blocks.clear();
-    for (const std::vector<LatticeCell>& region : regions_of(cells))
-      counts.refused += replace_region(setting, region, kRegionGrowth + pass, edits_, replaced) ? 0 : 1;
+    counts.refused = replace_regions(setting, regions_of(cells), kRegionGrowth + pass, edits_, replaced);
     edits_.drop_removed_triangles();
     cells.clear();
     add_cells_in_dispute(field, mesh, edge_length, lattice, fewest_rows(std::move(replaced.blocks), lattice),

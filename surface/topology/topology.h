@@ -37,7 +37,7 @@ enum class Comparison {
 ///
 /// Vertices outside keep place, id and what arrays hold of them; new ones have new ids and come, by the
 /// arrays' rules, from the nearest point of the triangles taken out, or from nowhere where there were none.
-/// Regions are worked on one after the other in a fixed order: results do not depend on the threads.
+/// Regions that do not touch each other are worked on at once: results do not depend on the threads.
 class TopologyChange {
  public:
   /// edge_length: of the mesh, > 0 [m]. mesh: its vertices projected, TriangleMesh::gradient theirs. Where

@@ -15,7 +15,7 @@ namespace kappaflow {
 /// Triangles by the cells of a grid that they come within `reach` of.
 class TriangleBins {
  public:
-  TriangleBins(const TriangleMesh& mesh, std::span<const int> triangles, double reach) : size_(4 * reach) {
+  TriangleBins(const TriangleMesh& mesh, std::span<const int> triangles, double reach) : size_(8 * reach) {
     for (const int t : triangles) {
       const auto& [a, b, c] = mesh.triangles[t];
       const Vec3 &x = mesh.position[a], &y = mesh.position[b], &z = mesh.position[c];

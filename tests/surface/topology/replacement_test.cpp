@@ -7,7 +7,7 @@
 
 #include "core/connectivity.h"
 #include "core/nearest_on_triangle.h"
-#include "surface/mesh/isosurface.h"
+#include "surface/mesh/local_isosurface.h"
 #include "surface/mesh/mesh_measures.h"
 #include "surface/mesh/self_intersection.h"
 #include "surface/topology/disagreement.h"
@@ -205,6 +205,17 @@ TEST(Fill, OfACircleIsADisc) {
   EXPECT_EQ(boundary_of(disc).loops[0], loop);
 }
 
+/// All of f = 0 in the block.
+LocalIsosurface all_in_block(const Field& field, const SampledField& lattice, const LatticeBlock& block,
+                             double tolerance) {
+  std::vector<std::array<int, 3>> cells;
+  for (int k = block.first[2]; k < block.last[2]; ++k)
+    for (int j = block.first[1]; j < block.last[1]; ++j)
+      for (int i = block.first[0]; i < block.last[0]; ++i) cells.push_back({i, j, k});
+  return local_isosurface(field, lattice, block, tolerance, cells,
+                          [](const Vec3&, const Vec3&) { return false; });
+}
+
 TEST(LocalIsosurface, VerticesAreOnTheSurfaceAndPiecesAddUp) {
   const TorusField field(1, 0.4);
   const SampledField lattice = isosurface_lattice(field, 0.15);
@@ -214,7 +225,7 @@ TEST(LocalIsosurface, VerticesAreOnTheSurfaceAndPiecesAddUp) {
   const int middle = dims[0] / 2;
   for (const auto& [first, last] : {std::pair(0, middle), std::pair(middle, dims[0] - 1)}) {
     const LocalIsosurface part =
-        local_isosurface(field, lattice, {{first, 0, 0}, {last, dims[1] - 1, dims[2] - 1}}, 1e-9);
+        all_in_block(field, lattice, {{first, 0, 0}, {last, dims[1] - 1, dims[2] - 1}}, 1e-9);
     triangles += part.triangles.size();
     for (std::size_t v = 0; v < part.position.size(); ++v) {
       const ValueAndGradient at = field.value_and_gradient(part.position[v]);
@@ -238,7 +249,7 @@ TEST(LocalIsosurface, HoldsWhereTheGradientVanishes) {
   const ParticleField field(testing::rotating_particles({Vec3(-0.5, 0, 0), Vec3(0.5, 0, 0)}, 1.0, 0.0),
                             2 * std::pow(0.75, 3), 0);
   const SampledField lattice = isosurface_lattice(field, 0.25);
-  const LocalIsosurface iso = local_isosurface(
+  const LocalIsosurface iso = all_in_block(
       field, lattice, {{0, 0, 0}, {lattice.dims[0] - 1, lattice.dims[1] - 1, lattice.dims[2] - 1}}, 1e-6);
   EXPECT_TRUE(boundary_of(iso.triangles).loops.empty());
   for (const Vec3& x : iso.position) EXPECT_TRUE(x.allFinite());
