@@ -162,11 +162,30 @@ void move_far_from_mesh(const TriangleMesh& mesh, double limit, const SampledFie
   disputed.near.erase(far, disputed.near.end());
 }
 
-/// The points in dispute of some planes of the lattice, by their numbers in these; fills the samples.
+/// The mesh's winding numbers at the samples' points, whose first column is `column` of the lattice's:
+/// crossings are counted from the beginning of its rows.
+std::vector<std::int8_t> winding_at(const SampledField& samples, int column, const TriangleMesh& mesh) {
+  SampledField rows;
+  rows.origin = samples.origin - Vec3(column * samples.spacing, 0, 0);
+  rows.spacing = samples.spacing;
+  rows.first_plane = samples.first_plane;
+  rows.dims = samples.dims;
+  rows.dims[0] += column;
+  std::vector<std::int8_t> winding = winding_numbers(mesh.position, mesh.triangles, rows);
+  if (column == 0) return winding;
+  auto to = winding.begin();
+  for (auto row = winding.begin(); row != winding.end(); row += rows.dims[0])
+    to = std::copy(row + column, row + rows.dims[0], to);
+  winding.erase(to, winding.end());
+  return winding;
+}
+
+/// The points in dispute of some planes of the lattice, by their numbers in these; fills the samples, whose
+/// first column is `column` of the lattice's.
 std::vector<LatticeCell> points_in_dispute(const Field& field, const TriangleMesh& mesh, double limit,
-                                           SampledField& samples) {
+                                           int column, SampledField& samples) {
   field.sample(samples);
-  std::vector<std::int8_t> winding = winding_numbers(mesh.position, mesh.triangles, samples);
+  std::vector<std::int8_t> winding = winding_at(samples, column, mesh);
   std::vector<DisputedPoints> in_plane(samples.dims[2]);
   parallel_for(
       in_plane.size(),
@@ -224,31 +243,34 @@ std::vector<int> triangles_off_surface(const Field& field, const TriangleMesh& m
 
 std::vector<LatticeCell> cells_in_dispute(const Field& field, const TriangleMesh& mesh, double limit,
                                           const SampledField& lattice, const LatticeBlock& block) {
-  // Winding numbers count crossings from a row's beginning: rows are taken whole.
   LatticeBlock wanted = block;
   for (int a = 0; a < 3; ++a) {
-    wanted.first[a] = a == 0 ? 0 : std::max(block.first[a], 0);
-    wanted.last[a] = std::min(a == 0 ? lattice.dims[a] : block.last[a], lattice.dims[a] - 1);
+    wanted.first[a] = std::max(block.first[a], 0);
+    wanted.last[a] = std::min(block.last[a], lattice.dims[a] - 1);
     if (wanted.first[a] > wanted.last[a]) return {};
   }
-  const int first_row = std::max(wanted.first[1] - kOverlap, 0),
-            rows = std::min(wanted.last[1] + kOverlap, lattice.dims[1] - 1) - first_row + 1,
-            planes = wanted.last[2] - wanted.first[2] + 1;
-  const std::size_t plane = static_cast<std::size_t>(lattice.dims[0]) * rows;
+  const auto begin = [&](int a) { return std::max(wanted.first[a] - kOverlap, 0); };
+  const auto count = [&](int a) {
+    return std::min(wanted.last[a] + kOverlap, lattice.dims[a] - 1) - begin(a) + 1;
+  };
+  const int first_column = begin(0), first_row = begin(1), planes = wanted.last[2] - wanted.first[2] + 1;
+  const std::size_t plane = static_cast<std::size_t>(lattice.dims[0]) * count(1);
   const int at_once =
       static_cast<int>(std::clamp<std::size_t>(kPointsAtOnce / plane, 4 * kOverlap, planes + 2 * kOverlap));
   std::vector<LatticeCell> cells;
   for (int first = wanted.first[2]; first <= wanted.last[2]; first += at_once - 2 * kOverlap) {
     const int last = std::min(first + at_once - 2 * kOverlap - 1, wanted.last[2]);
     SampledField slab = lattice;
-    slab.origin[1] += lattice.spacing * first_row;
-    slab.dims[1] = rows;
+    slab.origin += lattice.spacing * Vec3(first_column, first_row, 0);
+    slab.dims = {count(0), count(1), 0};
     slab.first_plane = std::max(first - kOverlap, 0);
     slab.dims[2] = std::min(last + kOverlap, lattice.dims[2] - 1) - slab.first_plane + 1;
-    for (LatticeCell cell : points_in_dispute(field, mesh, limit, slab)) {
+    for (LatticeCell cell : points_in_dispute(field, mesh, limit, first_column, slab)) {
+      cell[0] += first_column;
       cell[1] += first_row;
       cell[2] += slab.first_plane;
-      if (cell[1] >= wanted.first[1] && cell[1] <= wanted.last[1] && cell[2] >= first && cell[2] <= last)
+      if (cell[0] >= wanted.first[0] && cell[0] <= wanted.last[0] && cell[1] >= wanted.first[1] &&
+          cell[1] <= wanted.last[1] && cell[2] >= first && cell[2] <= last)
         cells.push_back(cell);
     }
   }

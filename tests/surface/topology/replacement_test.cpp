@@ -14,6 +14,7 @@
 #include "surface/topology/lattice_guard.h"
 #include "surface/topology/loops.h"
 #include "surface/topology/triangle_bins.h"
+#include "surface/topology/vertex_cells.h"
 #include "surface/topology/winding_numbers.h"
 #include "tests/surface/mesh/analytic_fields.h"
 
@@ -253,6 +254,54 @@ TEST(LocalIsosurface, HoldsWhereTheGradientVanishes) {
       field, lattice, {{0, 0, 0}, {lattice.dims[0] - 1, lattice.dims[1] - 1, lattice.dims[2] - 1}}, 1e-6);
   EXPECT_TRUE(boundary_of(iso.triangles).loops.empty());
   for (const Vec3& x : iso.position) EXPECT_TRUE(x.allFinite());
+}
+
+TEST(LocalIsosurface, IsFollowedFromItsSeedsToWhereItEnds) {
+  // Two balls apart: from a cell of the one, up to a plane.
+  const ParticleField field(testing::rotating_particles({Vec3(-2, 0, 0), Vec3(2, 0, 0)}, 1.0, 0.0), 0.3, 0);
+  const SampledField lattice = isosurface_lattice(field, 0.1);
+  const LatticeBlock all{{0, 0, 0}, {lattice.dims[0] - 1, lattice.dims[1] - 1, lattice.dims[2] - 1}};
+  const double radius = std::sqrt(1 - std::cbrt(0.3));
+  const std::vector<std::array<int, 3>> seeds{
+      cell_of(lattice, Vec3(-2, 0, radius)), cell_of(lattice, Vec3(0, 0, 0)), {-5, 0, 0}};
+  for (const double end : {1.0, 0.2}) {
+    const LocalIsosurface iso = local_isosurface(field, lattice, all, 1e-9, seeds,
+                                                 [&](const Vec3& x, const Vec3&) { return x[0] + 2 > end; });
+    double furthest = -1;
+    for (const Triangle& t : iso.triangles)
+      for (const int v : t) {
+        EXPECT_NEAR((iso.position[v] - Vec3(-2, 0, 0)).norm(), radius, 1e-6);
+        furthest = std::max(furthest, iso.position[v][0] + 2);
+      }
+    EXPECT_LE(furthest, end);
+    EXPECT_GT(furthest, std::min(end, radius) - 0.1);
+    EXPECT_EQ(boundary_of(iso.triangles).loops.size(), end < radius ? 1u : 0u);
+  }
+}
+
+TEST(VertexCells, HoldThoseOfABlock) {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> along(-3, 3);
+  SampledField lattice;
+  lattice.spacing = 0.1;
+  TriangleMesh mesh;
+  VertexCells cells(lattice);
+  for (int round = 0; round < 2; ++round) {
+    for (int n = 0; n < 300; ++n) mesh.position.emplace_back(along(random), along(random), along(random));
+    cells.add(mesh);
+    const LatticeBlock block{{-12, -7, 0}, {5, 9, 20}};
+    std::vector<int> found;
+    cells.for_each_in(block, [&](int v) { found.push_back(v); });
+    EXPECT_LT(found.size(), mesh.vertex_count() / 2);
+    std::ranges::sort(found);
+    EXPECT_EQ(std::ranges::adjacent_find(found), found.end());
+    for (int v = 0; v < static_cast<int>(mesh.vertex_count()); ++v) {
+      const LatticeCell c = cell_of(lattice, mesh.position[v]);
+      bool inside = true;
+      for (int a = 0; a < 3; ++a) inside = inside && c[a] >= block.first[a] && c[a] <= block.last[a];
+      EXPECT_TRUE(!inside || std::ranges::binary_search(found, v)) << v;
+    }
+  }
 }
 
 TEST(IntersectingTriangles, AreThoseOfThePairs) {
