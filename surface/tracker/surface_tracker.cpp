@@ -141,11 +141,13 @@ TrackerStep SurfaceTracker::settle(const Field& field) {
   return report;
 }
 
-TriangleMesh SurfaceTracker::settled(const Field& field, TriangleMesh mesh, const TrackerOptions& options) {
+TriangleMesh SurfaceTracker::settled(const Field& field, TriangleMesh mesh, const TrackerOptions& options,
+                                     TrackerStep* report) {
   SurfaceTracker tracker(std::move(mesh), options);
   TriangleMesh& moved = tracker.state_->mesh;
   project_all(field, options.projection, moved.position, moved.unprojected, moved.gradient);
-  tracker.settle(field);
+  const TrackerStep settling = tracker.settle(field);
+  if (report != nullptr) *report = settling;
   TriangleMesh at_rest = make_triangle_mesh(std::move(moved.position), std::move(moved.triangles));
   at_rest.unprojected = std::move(moved.unprojected);
   return at_rest;

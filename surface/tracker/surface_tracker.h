@@ -32,8 +32,9 @@ class SurfaceTracker {
   TrackerStep settle(const Field& field);
 
   /// The mesh as a tracker with these options would show it after settle(), at rest: what to start from where
-  /// the first frame is to be as good as the others.
-  static TriangleMesh settled(const Field& field, TriangleMesh mesh, const TrackerOptions& options);
+  /// the first frame is to be as good as the others. report: what was done; null: nobody asks.
+  static TriangleMesh settled(const Field& field, TriangleMesh mesh, const TrackerOptions& options,
+                              TrackerStep* report = nullptr);
 
   const TriangleMesh& mesh() const;
   /// TriangleMesh::source, for whoever knows the liquid to fill in.

@@ -9,6 +9,7 @@
 #include "core/errors.h"
 #include "core/nearest_points.h"
 #include "core/quantile.h"
+#include "core/stopwatch.h"
 #include "core/whole_within.h"
 #include "surface/measure/surface_motion.h"
 #include "surface/motion/material.h"
@@ -26,16 +27,23 @@ std::vector<VelocityFunction> velocities_of(const SurfaceOptions& options) {
   return {options.is_cloud ? evaluate_regional : evaluate_material};
 }
 
-std::vector<SurfaceTracker> make_trackers(const Field& field, double sigma, const SurfaceOptions& surface) {
+/// first_mesh: what making it took.
+std::vector<SurfaceTracker> make_trackers(const Field& field, double sigma, const SurfaceOptions& surface,
+                                          TrackerStep& first_mesh) {
   const double edge_length = surface.edge_length * sigma;
-  TriangleMesh mesh = initial_mesh(field, edge_length, surface.tracker.projection);
+  TriangleMesh mesh;
+  const double seconds =
+      seconds_of([&] { mesh = initial_mesh(field, edge_length, surface.tracker.projection); });
   if (mesh.triangles.empty())
     throw InvalidInput(
         fmt::format("{}: the surface is empty: Eq. 12 stays below the threshold everywhere", surface.name));
   TrackerOptions options = surface.tracker;
   options.remeshing.edge_length = surface.remesh ? edge_length : 0;
   options.topology.follows_field = surface.topology;
-  mesh = SurfaceTracker::settled(field, std::move(mesh), options);
+  TrackerStep settling;
+  mesh = SurfaceTracker::settled(field, std::move(mesh), options, &settling);
+  first_mesh.topology_seconds = settling.topology_seconds;
+  first_mesh.remesh_seconds = seconds + settling.remesh_seconds;
   std::vector<SurfaceTracker> trackers;
   for (VelocityFunction& velocity : velocities_of(surface)) {
     options.method = std::move(velocity);
@@ -81,8 +89,9 @@ TrackedSurfaces::TrackedSurfaces(Particles first, const Particles* next, const S
       motion_per_step_(options.motion_per_step),
       name_(options.name),
       field_(next ? motion_to(*next).at(particles_.time) : particle_field(particles_, field_options_)),
-      trackers_(make_trackers(*field_, field_options_.sigma, options)),
-      report_(trackers_.size()) {}
+      report_(velocities_of(options).size()),
+      trackers_(make_trackers(*field_, field_options_.sigma, options, report_[0])),
+      first_mesh_seconds_(report_[0].topology_seconds + report_[0].remesh_seconds) {}
 
 /// Particles without velocities say nothing about how fast their surface may be: it is what the motion of a
 /// cloud allows.

@@ -101,6 +101,8 @@ class TrackedSurfaces {
     return trackers_[surface].template array<T>(name);
   }
 
+  /// The wall time that the first mesh took [s]; in the first report it is among that of the first surface.
+  double first_mesh_seconds() const { return first_mesh_seconds_; }
   /// What happened since the last call, an entry a surface; the next one starts anew.
   std::vector<TrackerStep> take_report();
 
@@ -110,8 +112,11 @@ class TrackedSurfaces {
   void serialize(Archive& archive) {
     archive(particles_);
     for (SurfaceTracker& tracker : trackers_) archive(tracker);
+    if constexpr (Archive::is_loading::value) {
+      field_ = nullptr;
+      report_.assign(report_.size(), {});  // how long this run's first mesh took is not in it
+    }
     archive(report_);
-    if constexpr (Archive::is_loading::value) field_ = nullptr;
   }
 
  private:
@@ -127,8 +132,9 @@ class TrackedSurfaces {
   double motion_per_step_;
   std::string name_;
   std::shared_ptr<const Field> field_;
-  std::vector<SurfaceTracker> trackers_;
   std::vector<TrackerStep> report_;
+  std::vector<SurfaceTracker> trackers_;
+  double first_mesh_seconds_;
 };
 
 }  // namespace kappaflow

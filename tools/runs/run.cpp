@@ -8,6 +8,7 @@
 #include "core/errors.h"
 #include "core/read_file.h"
 #include "tools/runs/check.h"
+#include "tools/runs/progress.h"
 #include "tools/runs/run_driver.h"
 #include "tools/runs/run_record.h"
 #include "tools/runs/scene_frames.h"
@@ -43,7 +44,14 @@ RunSettings settings_for(const RunOptions& begun_with, const std::string& hash, 
           .save_beginning = [begun_with, hash](StateWriter& archive) { archive(begun_with, hash); }};
 }
 
-RunSummary begin(const RunOptions& options, const InterruptGuard& guard) {
+/// Makes the first mesh; until it is there nothing is to be saved, and a signal ends the program at once.
+SceneFrames first_frame(PreparedScene prepared, bool quiet) {
+  StatusLine status(!quiet);
+  status.show("making the first mesh");
+  return SceneFrames(std::move(prepared));
+}
+
+RunSummary begin(const RunOptions& options) {
   const Stopwatch watch;
   PreparedScene prepared = prepare(scene_for(options, load_scene(options.scene)));
   const Scene scene = prepared.scene;
@@ -58,7 +66,8 @@ RunSummary begin(const RunOptions& options, const InterruptGuard& guard) {
   begun_with.scene = fs::absolute(options.scene);  // for whoever resumes it from elsewhere
   RunFolder folder(folder_for(options), scene.surface.methods, options.force);
   folder.write_scene(scene.text);
-  SceneFrames frames(std::move(prepared));
+  SceneFrames frames = first_frame(std::move(prepared), options.quiet);
+  const InterruptGuard guard;
   RunDriver driver(frames, folder, settings_for(begun_with, hash, scene), watch);
   folder.write_record(run_record(options, scene, frames));
   driver.start();
@@ -79,7 +88,7 @@ PreparedScene resumed_scene(const RunOptions& begun_with, const std::string& has
   return prepared;
 }
 
-RunSummary resume(const RunOptions& options, const InterruptGuard& guard) {
+RunSummary resume(const RunOptions& options) {
   const Stopwatch watch;
   RunFolder folder(options.resume);
   SavedRun saved(folder.path(), kRunCommand);
@@ -93,7 +102,8 @@ RunSummary resume(const RunOptions& options, const InterruptGuard& guard) {
   if (frame == last_frame_of(scene)) return complete_run(folder.path(), frame);
 
   require_memory(prepared, machine_memory());
-  SceneFrames frames(std::move(prepared));
+  SceneFrames frames = first_frame(std::move(prepared), options.quiet);
+  const InterruptGuard guard;
   RunDriver driver(frames, folder, settings_for(begun_with, hash, scene), watch);
   driver.restore(frame, saved);
   folder.write_record(resumed_record(folder.path(), options.command, options.threads, frames.time()));
@@ -103,8 +113,7 @@ RunSummary resume(const RunOptions& options, const InterruptGuard& guard) {
 }  // namespace
 
 RunSummary run_scene(const RunOptions& options) {
-  const InterruptGuard guard;
-  return options.resume.empty() ? begin(options, guard) : resume(options, guard);
+  return options.resume.empty() ? begin(options) : resume(options);
 }
 
 int run(const RunOptions& options) {

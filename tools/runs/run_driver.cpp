@@ -19,7 +19,7 @@ RunDriver::RunDriver(FrameSource& source, RunFolder& folder, RunSettings setting
 }
 
 void RunDriver::start() {
-  summary_.setup_seconds = watch_.seconds();
+  summary_.setup_seconds = watch_.seconds() - source_.surfaces().first_mesh_seconds();
   write_frame(0);
   write_checkpoint();
   folder_.take_place();
