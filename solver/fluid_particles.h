@@ -35,7 +35,8 @@ struct FluidParticles {
   std::vector<Vec4f> position;          ///< [m]; w: kappa of the pressure solve that runs, see pressure.h
   std::vector<Vec4f> velocity;          ///< [m/s]
   std::vector<Vec4f> viscous_velocity;  ///< after the last step's viscosity [m/s]; starts the next solve
-  /// Its change in the last step over that step, which serves a first guess [m/s2].
+  /// Its change in the last step (weak fluids: what viscosity changed) over that step: for a first guess
+  /// [m/s2].
   std::vector<Vec4h> viscous_acceleration;
   std::vector<float> density_pressure;     ///< kappa of the constant-density solve [m2/s2], see pressure.h
   std::vector<float> divergence_pressure;  ///< kappa of the divergence-free solve [m2/s2]

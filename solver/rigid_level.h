@@ -39,9 +39,6 @@ class RigidLevel {
   void invert(float inertia);
 
   std::size_t cells() const { return key.size(); }
-  std::span<const Link> links_from(std::size_t cell) const {
-    return {links.data() + first_link[cell], first_link[cell + 1] - first_link[cell]};
-  }
 
   /// The motions that half a round of block Gauss-Seidel finds for A motion = load from 0, by colours, which
   /// do not touch each other.

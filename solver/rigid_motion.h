@@ -60,11 +60,6 @@ inline Eigen::Vector3f velocity(const RigidVector& motion, const Eigen::Vector3f
   return motion.linear + motion.angular.cross(arm);
 }
 
-/// The load of a force that acts `arm` away.
-inline RigidVector load(const Eigen::Vector3f& force, const Eigen::Vector3f& arm) {
-  return {force, arm.cross(force)};
-}
-
 /// The same motion about the point that is `arm` away.
 inline RigidVector motion_about(const RigidVector& motion, const Eigen::Vector3f& arm) {
   return {velocity(motion, arm), motion.angular};

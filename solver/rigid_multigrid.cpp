@@ -2,7 +2,6 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <utility>
@@ -191,7 +190,8 @@ void RigidMultigrid::CellSums::add_squares(std::size_t i, const SymmetricMatrix&
 
 void RigidMultigrid::CellSums::finish() const {
   RigidLevel& level = grid_.levels_.front();
-  level.anchor[cell_] = empty_ ? RigidMatrix{{1, 1, 1}} : anchor_;  // of an inverse that nothing asks for
+  level.anchor[cell_] =
+      empty_ ? RigidMatrix{{1, 1, 1}} : anchor_;  // so that there is an inverse; its load is 0
   for (std::uint32_t k = level.first_link[cell_]; k < level.first_link[cell_ + 1]; ++k) {
     const auto other = RigidLevel::place_of(level.key[level.links[k].to]);
     RigidMatrix& sum = level.coupling[k] = RigidMatrix();

@@ -30,8 +30,8 @@ class RigidMultigrid {
   void build(const ViscousForces& forces, const FluidParticles& particles, const NeighbourLists& lists,
              const WallSums& walls, float time_step);
 
-  /// M^-1 r in three steps, r one vector a particle: restrict_to() for every cell, solve(), times() for every
-  /// particle. The first: P^T r of one cell. Returns r . D^-1 r of its particles.
+  /// M^-1 r in three steps, r one vector a particle: restrict_to() for every cell, solve(), for_solutions()
+  /// for every cell. The first: P^T r of one cell. Returns r . D^-1 r of its particles.
   double restrict_to(std::size_t cell, const FluidParticles& particles, const std::vector<Vec4f>& r);
   /// The second: finds the motions m = C P^T r. Returns r . P m.
   double solve();

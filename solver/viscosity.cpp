@@ -31,7 +31,7 @@ double sum_of(const Vec4f& v) {
 /// that e . e can be. A >= 1, so that e . e <= e . A e = r . A^-1 r. Of stiff liquid, whose last bits alone
 /// have much energy, the other bound is the smaller one.
 double squared_error(double energy, double square) {
-  return energy > 0 ? std::min(energy, kSlowest * square) : 0;
+  return std::min(std::abs(energy), kSlowest * square);  // no number if the energy is none
 }
 
 }  // namespace
@@ -69,7 +69,7 @@ double ViscositySolver::tolerated(const Squares& squares, double time_step) cons
   return tolerance_ * tolerance_ * scale + kRoundings * kRoundings * squares.speed;
 }
 
-/// One solve. r and p are zero for the particles that take no part. The steps are those of the preconditioned
+/// One solve. p is zero for the particles that take no part. The steps are those of the preconditioned
 /// conjugate gradients (Hestenes & Stiefel, "Methods of conjugate gradients for solving linear systems",
 /// 1952). They go over the particles cell by cell: what is near stays in cache.
 class ViscositySolver::ConjugateGradients {
@@ -140,7 +140,7 @@ class ViscositySolver::ConjugateGradients {
     });
   }
 
-  /// What v has changed by in this step, over the step, for the next one to begin with; v becomes that of the
+  /// What start() of the next step needs; v becomes that of the
   /// particles.
   void keep() {
     parallel_for(particles_.size(), [this](std::size_t i) {
@@ -211,6 +211,7 @@ ViscositySolve ViscositySolver::solve(FluidParticles& particles, const Neighbour
       squares = step.restart();
       energy = first = precondition();
       last = 0;
+      length = 0;
     }
   }
   step.finish(length);

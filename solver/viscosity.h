@@ -23,8 +23,9 @@ struct ViscositySolve {
 
 /// Solves A v = v* + dt f, A = I + dt L, for the new velocities v, where f - L v is the viscous acceleration
 /// (see viscous_forces.h). The particles that an emitter leads keep their velocity; the others are solved for
-/// by conjugate gradients, preconditioned by RigidMultigrid, starting from the velocities after the last
-/// solve. What is left unsolved changes neither linear nor angular momentum: see MomentumBalance.
+/// by conjugate gradients, preconditioned by RigidMultigrid, beginning where v would be if it changed as in
+/// the last step (weak fluids: if viscosity did what it did then). What is left unsolved changes neither
+/// linear nor angular momentum: see MomentumBalance.
 ///
 /// They end when the root mean square error e of the velocities is tolerated:
 ///   e <= FluidOptions::viscosity_tolerance * clamp(min(|v - v*|, |v|), 0.1 g dt, g dt),

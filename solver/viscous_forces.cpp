@@ -18,11 +18,7 @@ ViscousForces::ViscousForces(const FluidOptions& options)
 }
 
 bool ViscousForces::none() const {
-  return largest_viscosity() == 0;
-}
-
-float ViscousForces::largest_viscosity() const {
-  return std::ranges::max(pair_viscosity_);
+  return std::ranges::max(pair_viscosity_) == 0;
 }
 
 }  // namespace kappaflow

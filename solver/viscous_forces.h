@@ -51,7 +51,6 @@ class ViscousForces {
 
   /// Whether no fluid is viscous.
   bool none() const;
-  float largest_viscosity() const;  ///< [m2/s]
   std::size_t fluids() const { return fluids_; }
   float viscosity(std::size_t fluid) const { return pair_viscosity_[fluid * (fluids_ + 1)]; }  ///< [m2/s]
   /// Whether viscous forces can change the particle's velocity: it is viscous and not led.

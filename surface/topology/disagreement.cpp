@@ -207,6 +207,17 @@ LatticeCell cell_of(const SampledField& lattice, const Vec3& x) {
   return {index(0), index(1), index(2)};
 }
 
+std::vector<LatticeCell> cells_of(const SampledField& lattice, const TriangleMesh& mesh,
+                                  std::span<const int> triangles) {
+  std::vector<LatticeCell> cells;
+  for (const int t : triangles) {
+    const auto& [a, b, c] = mesh.triangles[t];
+    const Vec3 &x = mesh.position[a], &y = mesh.position[b], &z = mesh.position[c];
+    for (const Vec3& p : {x, y, z, Vec3((x + y + z) / 3)}) cells.push_back(cell_of(lattice, p));
+  }
+  return cells;
+}
+
 Vec3 sum_of_normals(std::span<const Vec3> gradient, const Triangle& triangle) {
   const auto& [a, b, c] = triangle;
   return -gradient[a].normalized() - gradient[b].normalized() - gradient[c].normalized();
@@ -256,7 +267,7 @@ std::vector<LatticeCell> cells_in_dispute(const Field& field, const TriangleMesh
   const int first_column = begin(0), first_row = begin(1), planes = wanted.last[2] - wanted.first[2] + 1;
   const std::size_t plane = static_cast<std::size_t>(lattice.dims[0]) * count(1);
   const int at_once =
-      static_cast<int>(std::clamp<std::size_t>(kPointsAtOnce / plane, 4 * kOverlap, planes + 2 * kOverlap));
+      std::min(planes + 2 * kOverlap, std::max(4 * kOverlap, static_cast<int>(kPointsAtOnce / plane)));
   std::vector<LatticeCell> cells;
   for (int first = wanted.first[2]; first <= wanted.last[2]; first += at_once - 2 * kOverlap) {
     const int last = std::min(first + at_once - 2 * kOverlap - 1, wanted.last[2]);

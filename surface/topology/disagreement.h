@@ -13,6 +13,10 @@ namespace kappaflow {
 /// The cell of the lattice that holds x.
 LatticeCell cell_of(const SampledField& lattice, const Vec3& x);
 
+/// The cells of corners and centroids of triangles of the mesh.
+std::vector<LatticeCell> cells_of(const SampledField& lattice, const TriangleMesh& mesh,
+                                  std::span<const int> triangles);
+
 /// The sum of the unit outward normals of f = 0 at a triangle's corners. gradient: of f at the vertices.
 Vec3 sum_of_normals(std::span<const Vec3> gradient, const Triangle& triangle);
 

@@ -116,18 +116,6 @@ Obstacles drop_foreign_pieces(const SampledField& lattice, const CellRegion& reg
   return {};
 }
 
-/// The cells of corners and centroids of the triangles.
-std::vector<LatticeCell> cells_of(const SampledField& lattice, const TriangleMesh& mesh,
-                                  std::span<const int> triangles) {
-  std::vector<LatticeCell> cells;
-  for (const int t : triangles) {
-    const auto& [a, b, c] = mesh.triangles[t];
-    const Vec3 &x = mesh.position[a], &y = mesh.position[b], &z = mesh.position[c];
-    for (const Vec3& p : {x, y, z, Vec3((x + y + z) / 3)}) cells.push_back(cell_of(lattice, p));
-  }
-  return cells;
-}
-
 /// The cell of the lattice that holds one of a finer lattice.
 LatticeCell coarser(const LatticeCell& cell, int finer) {
   LatticeCell result;

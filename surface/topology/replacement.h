@@ -25,7 +25,7 @@ struct ReplacementSetting {
 struct Replacement {
   bool is_sound = false;          ///< whether there is one; nothing to exchange is sound, too
   LatticeBlock read;              ///< the mesh outside these cells makes no difference to it
-  LatticeBlock changed;           ///< it makes no difference to the mesh outside these; none: no change
+  LatticeBlock changed;           ///< if it is sound: it makes no difference to the mesh outside these
   std::vector<int> removed;       ///< triangles of the mesh
   std::vector<Triangle> added;    ///< vertices of the mesh and, numbered from its vertex_count(), new ones
   std::vector<Vec3> position;     ///< of the new vertices [m]

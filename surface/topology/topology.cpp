@@ -1,6 +1,7 @@
 #include "surface/topology/topology.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "core/parallel.h"
 #include "surface/mesh/isosurface.h"
@@ -69,19 +70,11 @@ std::vector<std::vector<LatticeCell>> regions_of(std::span<const LatticeCell> ce
   return regions;
 }
 
-void add_cells(const SampledField& lattice, const TriangleMesh& mesh, std::span<const int> triangles,
-               std::vector<LatticeCell>& cells) {
-  for (const int t : triangles) {
-    const auto& [a, b, c] = mesh.triangles[t];
-    const Vec3 &x = mesh.position[a], &y = mesh.position[b], &z = mesh.position[c];
-    for (const Vec3& p : {x, y, z, Vec3((x + y + z) / 3)}) cells.push_back(cell_of(lattice, p));
-  }
-}
-
 /// Where the triangles are not pieces of the surface.
 void add_cells_off_surface(const Field& field, const TriangleMesh& mesh, double limit,
                            const SampledField& lattice, std::vector<LatticeCell>& cells) {
-  add_cells(lattice, mesh, triangles_off_surface(field, mesh, limit), cells);
+  std::ranges::copy(cells_of(lattice, mesh, triangles_off_surface(field, mesh, limit)),
+                    std::back_inserter(cells));
 }
 
 /// Where edges are so short that remeshing would have collapsed them if it could: around a thread.
@@ -145,7 +138,8 @@ std::vector<LatticeCell> disputed_cells(const ReplacementSetting& setting, Compa
   const bool quick = comparison == Comparison::quick;
   add_cells_off_surface(field, mesh, quick ? kFarOff * edge_length : off_surface, lattice, cells);
   if (quick) return cells;
-  add_cells(lattice, mesh, intersecting_triangles(mesh.position, mesh.triangles), cells);
+  std::ranges::copy(cells_of(lattice, mesh, intersecting_triangles(mesh.position, mesh.triangles)),
+                    std::back_inserter(cells));
   add_cells_at_threads(mesh, kThread * edge_length, lattice, cells);
   add_cells_in_dispute(field, mesh, edge_length, lattice, std::array{whole(lattice)}, cells);
   return cells;
