@@ -31,11 +31,12 @@ struct Energy {
   double kinetic = 0, potential = 0;  // of a unit mass [m2/s2]
 };
 
-Energy energy(const FluidSolver& solver) {
+/// As seen from what moves at the velocity.
+Energy energy(const FluidSolver& solver, const Vec3& from = Vec3::Zero()) {
   const Particles p = solver.particles();
   Energy sum;
   for (std::size_t i = 0; i < p.size(); ++i) {
-    sum.kinetic += 0.5 * p.velocity[i].squaredNorm() / static_cast<double>(p.size());
+    sum.kinetic += 0.5 * (p.velocity[i] - from).squaredNorm() / static_cast<double>(p.size());
     sum.potential += kGravity * p.position[i].y() / static_cast<double>(p.size());
   }
   return sum;
@@ -57,18 +58,19 @@ class Stiffness : public testing::TestWithParam<Case> {
     return {o, points, std::vector<Vec3>(points.size(), velocity), walls};
   }
 
-  /// Runs for `duration`; the energy is never more than at the start and `added`, but for what moving apart
-  /// compressed particles does. Returns the largest speed after `settled`, in units of sqrt(g edge).
-  double run(FluidSolver& solver, double duration, double settled, double added = 0) const {
+  /// Runs for `duration`; the energy, seen from the walls, is never more than at the start, but for what
+  /// moving apart compressed particles does. Returns the largest speed after `settled`, in units of sqrt(g
+  /// edge).
+  double run(FluidSolver& solver, double duration, double settled, const Vec3& walls = Vec3::Zero()) const {
     const Case c = GetParam();
-    const Energy before = energy(solver);
+    const Energy before = energy(solver, walls);
     const double start = before.kinetic + before.potential, unit = kGravity * c.edge();
     double fastest = 0;
     while (solver.time() < duration * c.time()) {
       const FluidStep step = solver.step(duration * c.time() - solver.time());
       EXPECT_LE(step.viscosity_error, 1) << solver.time();
-      const Energy now = energy(solver);
-      EXPECT_LT(now.kinetic + now.potential, start + added + 0.05 * unit) << solver.time();
+      const Energy now = energy(solver, walls);
+      EXPECT_LT(now.kinetic + now.potential, start + 0.05 * unit) << solver.time();
       if (solver.time() > settled * c.time()) fastest = std::max(fastest, step.fastest / c.speed());
       if (HasFailure()) break;
     }
@@ -86,7 +88,7 @@ class Stiffness : public testing::TestWithParam<Case> {
 TEST_P(Stiffness, RestsInAContainer) {
   if (GetParam().is_thin()) return;
   FluidSolver solver = cube(Vec3::Zero(), Vec3::Zero(), scaled(test::container(1, 1.5, 0.6)));
-  EXPECT_LT(run(solver, 6, 3), 0.02);
+  EXPECT_LT(run(solver, 12, 8), 0.02);
 }
 
 // The lattice is not quite at rest between irregular walls, and what moves then is stopped by viscosity in
@@ -109,12 +111,13 @@ TEST_P(Stiffness, TremblesInAContainerNoMoreThanAtTheStart) {
   EXPECT_LT(then, first);
 }
 
-// Where creep would be slower than that.
+// Where creep would be slower than that. A stiff cube is set down unevenly by some hundredths of a spacing,
+// and rocks: once in about 1.8 units of time, less and less.
 TEST_P(Stiffness, RestsOnAFloor) {
   const Case c = GetParam();
   if (kGravity * c.edge() * c.edge() > 0.02 * c.speed() * c.viscosity) return;
   FluidSolver solver = cube(Vec3::Zero(), Vec3::Zero(), scaled({test::box_surface({-1, -1, -1}, {2, 0, 2})}));
-  EXPECT_LT(run(solver, 6, 3), 0.02);
+  EXPECT_LT(run(solver, 12, 8), 0.02);
 }
 
 TEST_P(Stiffness, GainsNoEnergyWhereItIsDropped) {
@@ -131,15 +134,16 @@ TEST_P(Stiffness, GainsNoEnergyOnStairs) {
   run(solver, 4, 0);
 }
 
-// A plate that moves under the cube at its unit of speed, and no faster makes it.
-TEST_P(Stiffness, IsNoFasterThanAWallThatDragsIt) {
+// A plate begins to move under the cube at its unit of speed. Seen from the plate, which then gives no
+// energy, the cube comes sliding and may tip over; seen from outside, it may become faster than the plate.
+TEST_P(Stiffness, GainsNoEnergyOnAWallThatDragsIt) {
   const Case c = GetParam();
   BodyMotion motion;
   motion.keys = {{0, Vec3(c.speed(), 0, 0), 0}};
   TriangleSurface plate = test::box_surface({-1, -1, -1}, {8, 0, 2});
   for (Vec3& x : plate.vertices) x *= c.edge();
   FluidSolver solver = cube(Vec3::Zero(), Vec3::Zero(), {SolidWall(plate, motion)});
-  run(solver, 3, 0, 0.5 * c.speed() * c.speed());
+  run(solver, 3, 0, Vec3(c.speed(), 0, 0));
 }
 
 INSTANTIATE_TEST_SUITE_P(, Stiffness, testing::Values(KAPPAFLOW_STIFFNESSES));
