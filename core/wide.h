@@ -19,6 +19,23 @@ inline constexpr int kWide = 8;  ///< lanes
 
 using Wide = Eigen::Array<float, kWide, 1>;
 
+/// The same numbers as the compiler's own vector.
+using Four [[gnu::vector_size(16)]] = float;
+using Eight [[gnu::vector_size(32)]] = float;
+using EightInts [[gnu::vector_size(32)]] = std::int32_t;
+
+inline Eight eight_of(const Wide& lanes) {
+  Eight eight;
+  std::memcpy(&eight, lanes.data(), sizeof eight);
+  return eight;
+}
+
+inline Wide wide_of(const Eight& eight) {
+  Wide lanes;
+  std::memcpy(lanes.data(), &eight, sizeof eight);
+  return lanes;
+}
+
 /// Eight padded vectors, transposed.
 struct WideVec {
   Wide x, y, z, w;
@@ -26,8 +43,6 @@ struct WideVec {
 
 /// The eight vectors points[index[0]], points[index[1]], ...
 inline WideVec gather(const Vec4f* points, const std::uint16_t* index) {
-  using Four [[gnu::vector_size(16)]] = float;
-  using Eight [[gnu::vector_size(32)]] = float;
   const auto both = [&](int k) {  // points k and k + 4
     Four low, high;
     std::memcpy(&low, points[index[k]].data(), sizeof low);
@@ -43,35 +58,21 @@ inline WideVec gather(const Vec4f* points, const std::uint16_t* index) {
   const Eight y = __builtin_shufflevector(ab_xy, cd_xy, 2, 3, 10, 11, 6, 7, 14, 15);
   const Eight z = __builtin_shufflevector(ab_zw, cd_zw, 0, 1, 8, 9, 4, 5, 12, 13);
   const Eight w = __builtin_shufflevector(ab_zw, cd_zw, 2, 3, 10, 11, 6, 7, 14, 15);
-  WideVec result;
-  std::memcpy(result.x.data(), &x, sizeof x);
-  std::memcpy(result.y.data(), &y, sizeof y);
-  std::memcpy(result.z.data(), &z, sizeof z);
-  std::memcpy(result.w.data(), &w, sizeof w);
-  return result;
+  return {wide_of(x), wide_of(y), wide_of(z), wide_of(w)};
 }
 
 /// Eight 16-bit numbers as floats.
 inline Wide widen(const std::uint16_t* values) {
   using Short [[gnu::vector_size(16)]] = std::uint16_t;
-  using Int [[gnu::vector_size(32)]] = std::int32_t;
-  using Eight [[gnu::vector_size(32)]] = float;
   Short narrow;
   std::memcpy(&narrow, values, sizeof narrow);
-  const Eight wide = __builtin_convertvector(__builtin_convertvector(narrow, Int), Eight);
-  Wide result;
-  std::memcpy(result.data(), &wide, sizeof wide);
-  return result;
+  return wide_of(__builtin_convertvector(__builtin_convertvector(narrow, EightInts), Eight));
 }
 
 /// The whole parts of eight numbers in [0, 65536).
 inline void narrow(const Wide& values, std::uint16_t* out) {
   using Short [[gnu::vector_size(16)]] = std::uint16_t;
-  using Int [[gnu::vector_size(32)]] = std::int32_t;
-  using Eight [[gnu::vector_size(32)]] = float;
-  Eight wide;
-  std::memcpy(&wide, values.data(), sizeof wide);
-  const Short narrow = __builtin_convertvector(__builtin_convertvector(wide, Int), Short);
+  const Short narrow = __builtin_convertvector(__builtin_convertvector(eight_of(values), EightInts), Short);
   std::memcpy(out, &narrow, sizeof narrow);
 }
 

@@ -2,32 +2,14 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <cstring>
 
 #include "core/wide.h"
 
 namespace kappaflow {
 
-/// The same numbers as Wide, as the compiler's own vector.
-using Eight [[gnu::vector_size(32)]] = float;
-using EightInts [[gnu::vector_size(32)]] = std::int32_t;
-
-inline Eight eight_of(const Wide& lanes) {
-  Eight eight;
-  std::memcpy(&eight, lanes.data(), sizeof eight);
-  return eight;
-}
-
-inline Wide wide_of(const Eight& eight) {
-  Wide lanes;
-  std::memcpy(lanes.data(), &eight, sizeof eight);
-  return lanes;
-}
-
 /// (sum of x, sum of y, sum of z, 0)
 inline Vec4f sums(const Wide& x, const Wide& y, const Wide& z) {
-  using Four [[gnu::vector_size(16)]] = float;
   const auto folded = [](const Eight& a, const Eight& b) {  // a, b, a, b in either half
     return __builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13) +
            __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15);
@@ -64,7 +46,6 @@ inline Vec4f sums(const Wide& x, const Wide& y, const Wide& z) {
 /// (v[a], v[b], v[c], v[d])
 template <int a, int b, int c, int d>
 Vec4f shuffled(const Vec4f& v) {
-  using Four [[gnu::vector_size(16)]] = float;
   Four four;
   std::memcpy(&four, v.data(), sizeof four);
   four = __builtin_shufflevector(four, four, a, b, c, d);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/errors.h"
+#include "core/sort_unique.h"
 
 namespace kappaflow {
 
@@ -229,8 +230,7 @@ std::vector<Triangle> MeshEdits::staying_around(std::span<const int> removed,
   for (const Triangle& t : added)
     for (const int v : t)
       if (is_alive(v)) for_each_out(v, [&](int h) { around.push_back(h / 3); });
-  std::ranges::sort(around);
-  around.erase(std::unique(around.begin(), around.end()), around.end());
+  sort_unique(around);
   std::vector<Triangle> staying;
   for (const int t : around)
     if (!std::ranges::binary_search(gone, t)) staying.push_back(mesh_->triangles[t]);

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "core/sort_unique.h"
 #include "core/triangle_geometry.h"
 #include "surface/mesh/self_intersection.h"
 
@@ -73,8 +74,7 @@ bool would_cross(const RemeshState& state, std::span<const int> old, int apex) {
     for (std::size_t i = 0, n = around.size(); i < n; ++i)
       for (const int v : mesh_triangles[around[i]])
         edits.for_each_out(v, [&](int out) { around.push_back(out / 3); });
-    std::ranges::sort(around);
-    around.erase(std::unique(around.begin(), around.end()), around.end());
+    sort_unique(around);
   }
   std::vector<Triangle> triangles;
   for (const int t : around)

@@ -16,6 +16,13 @@ using LatticeCell = std::array<int, 3>;
 /// The largest index of a cell, up or down: differences of two, and some more, are int.
 inline constexpr int kFarthestCell = 1 << 29;
 
+/// The cell that holds this one, of a lattice that is so many times as coarse.
+inline LatticeCell coarser(const LatticeCell& cell, int times) {
+  LatticeCell result;
+  for (int a = 0; a < 3; ++a) result[a] = (cell[a] >= 0 ? cell[a] : cell[a] - times + 1) / times;
+  return result;
+}
+
 /// Some cells and all that are up to `growth` away from one of them along each axis.
 class CellRegion {
  public:

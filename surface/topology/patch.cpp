@@ -7,6 +7,7 @@
 #include "core/connectivity.h"
 #include "core/nearest_on_triangle.h"
 #include "core/parallel.h"
+#include "core/sort_unique.h"
 #include "core/triangle_geometry.h"
 #include "surface/topology/disagreement.h"
 #include "surface/topology/triangle_bins.h"
@@ -19,11 +20,6 @@ constexpr double kSameSide = 0.2;          // least cosine between normals of on
 constexpr int kSidePadding = 2;            // cells between all that matters and the block's sides
 constexpr int kRimRounds = 20;             // of smoothing the rim
 constexpr std::size_t kSmallestPiece = 3;  // triangles of a patch that is worth sewing in
-
-void sort_unique(std::vector<int>& numbers) {
-  std::ranges::sort(numbers);
-  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-}
 
 bool has_vertex(const Triangle& t, std::span<const int> sorted_vertices) {
   return std::ranges::any_of(t, [&](int v) { return std::ranges::binary_search(sorted_vertices, v); });
@@ -114,13 +110,6 @@ Obstacles drop_foreign_pieces(const SampledField& lattice, const CellRegion& reg
     return ends_at_side[p] || (open[p] ? size[p] < kSmallestPiece : !in_region[p]);
   });
   return {};
-}
-
-/// The cell of the lattice that holds one of a finer lattice.
-LatticeCell coarser(const LatticeCell& cell, int finer) {
-  LatticeCell result;
-  for (int a = 0; a < 3; ++a) result[a] = (cell[a] >= 0 ? cell[a] : cell[a] - finer + 1) / finer;
-  return result;
 }
 
 /// Appends the cells of the finer lattice in those of the region.

@@ -4,6 +4,7 @@
 #include <iterator>
 
 #include "core/parallel.h"
+#include "core/sort_unique.h"
 #include "surface/mesh/isosurface.h"
 #include "surface/mesh/self_intersection.h"
 #include "surface/topology/disagreement.h"
@@ -23,13 +24,8 @@ constexpr int kPasses = 3;
 std::vector<std::pair<LatticeCell, LatticeCell>> cells_by_block(std::span<const LatticeCell> cells) {
   std::vector<std::pair<LatticeCell, LatticeCell>> by_block;
   by_block.reserve(cells.size());
-  for (const LatticeCell& c : cells) {
-    LatticeCell block;
-    for (int a = 0; a < 3; ++a) block[a] = (c[a] >= 0 ? c[a] : c[a] - kCluster + 1) / kCluster;
-    by_block.emplace_back(block, c);
-  }
-  std::ranges::sort(by_block);
-  by_block.erase(std::unique(by_block.begin(), by_block.end()), by_block.end());
+  for (const LatticeCell& c : cells) by_block.emplace_back(coarser(c, kCluster), c);
+  sort_unique(by_block);
   return by_block;
 }
 

@@ -21,7 +21,7 @@ class VertexCells {
   /// Calls visit(v) for vertices that include those in the block's cells.
   template <class Visit>
   void for_each_in(const LatticeBlock& block, const Visit& visit) const {
-    const LatticeCell first = bin_of(block.first), last = bin_of(block.last);
+    const LatticeCell first = coarser(block.first, kBin), last = coarser(block.last, kBin);
     for (int k = first[2]; k <= last[2]; ++k)
       for (int j = first[1]; j <= last[1]; ++j) {
         auto e = std::ranges::lower_bound(entries_, Entry{{k, j, first[0]}, -1});
@@ -33,12 +33,6 @@ class VertexCells {
   static constexpr int kBin = 4;  // [cells]
   /// Of each vertex the bin's numbers, the last axis first, and its own.
   using Entry = std::pair<LatticeCell, int>;
-
-  static LatticeCell bin_of(const LatticeCell& cell) {
-    LatticeCell bin;
-    for (int a = 0; a < 3; ++a) bin[a] = (cell[a] >= 0 ? cell[a] : cell[a] - kBin + 1) / kBin;
-    return bin;
-  }
 
   const SampledField& lattice_;
   std::vector<Entry> entries_;
