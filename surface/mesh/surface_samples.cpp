@@ -82,7 +82,11 @@ std::span<const int> SampleWalk::around(const SurfaceSamples& samples, const Vec
   for (std::size_t head = 0; head < found_.size(); ++head) {
     const Vec3& from = samples.position[found_[head]];
     for (const int s : samples.rings.of(found_[head])) {
-      if (mark_[s] == walk_ || !((samples.position[s] - x).squaredNorm() < radius * radius)) continue;
+      if (mark_[s] == walk_) continue;
+      if (!((samples.position[s] - x).squaredNorm() < radius * radius)) {
+        mark_[s] = walk_;
+        continue;
+      }
       const double path = path_[head] + (samples.position[s] - from).norm();
       if (path > kLongestPath * radius) continue;
       mark_[s] = walk_;

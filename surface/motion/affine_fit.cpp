@@ -17,12 +17,9 @@ constexpr double kLargestRows = 30;     // [1] rows of the Hessian beyond this s
 // motion.
 constexpr double kTranslationDamping = 3e-5, kRotationDamping = 3e-4, kStrainDamping = 3e-2;
 
-/// Columns e (3), c (9), b.
-using Rows = Eigen::Matrix<double, 7, 13>;
-
 /// Coefficients of G of the row (i, k) of G^T A + A G - R'', in the order G_00, G_01, ...
-Eigen::Matrix<double, 1, 9> gradient_coefficients(const Mat3& A, const Mat3& response, int i, int k) {
-  Eigen::Matrix<double, 1, 9> c;
+Eigen::Matrix<double, 9, 1> gradient_coefficients(const Mat3& A, const Mat3& response, int i, int k) {
+  Eigen::Matrix<double, 9, 1> c;
   for (int a = 0; a < 3; ++a)
     for (int b = 0; b < 3; ++b)
       c[3 * a + b] = (b == k ? A(a, i) : 0) + (b == i ? A(a, k) : 0) - response(a, b);
@@ -30,15 +27,19 @@ Eigen::Matrix<double, 1, 9> gradient_coefficients(const Mat3& A, const Mat3& res
 }
 
 /// n . u - R(E)/|g| = n . v_n.
-void set_normal_row(const Jet& jet, const StrainResponse& strain, const Vec3& normal_velocity, Rows& rows) {
+void set_normal_row(const Jet& jet, const StrainResponse& strain, const Vec3& normal_velocity,
+                    MotionRows& rows) {
   const double g = jet.g.norm();
   const Vec3 n = jet.g / g;
-  rows.row(0) << n.transpose(), -strain.f.reshaped<Eigen::RowMajor>().transpose() / g, n.dot(normal_velocity);
+  auto row = rows.col(0);
+  row.head<3>() = n;
+  row.segment<9>(3) = -strain.f.reshaped<Eigen::RowMajor>() / g;
+  row[12] = n.dot(normal_velocity);
 }
 
 /// C u + G^T A + A G - R''(E) = -A_t, each component times L^2/|g| and the root of kHessianWeight / (1 +
 /// s^2/S^2) with s = L^2 |C|/|g| and S = kLargestRows.
-void set_hessian_rows(const Jet& jet, const StrainResponse& strain, Rows& rows) {
+void set_hessian_rows(const Jet& jet, const StrainResponse& strain, MotionRows& rows) {
   const double g = jet.g.norm(), L = jet.length_scale, scale = L * L / g;
   const std::array<Mat3, 3> C{jet.C.contract(Vec3::UnitX()), jet.C.contract(Vec3::UnitY()),
                               jet.C.contract(Vec3::UnitZ())};
@@ -48,17 +49,11 @@ void set_hessian_rows(const Jet& jet, const StrainResponse& strain, Rows& rows) 
     for (int k = i; k < 3; ++k) {
       const int m = symmetric_place(i, k);
       const double factor = weight * scale * (i == k ? 1 : std::sqrt(2.0));  // as in the Frobenius norm
-      rows.row(1 + m) << C[0](i, k), C[1](i, k), C[2](i, k), gradient_coefficients(jet.A, strain.A[m], i, k),
-          -jet.A_t(i, k);
-      rows.row(1 + m) *= factor;
+      auto row = rows.col(1 + m);
+      row.head<3>() = factor * Vec3(C[0](i, k), C[1](i, k), C[2](i, k));
+      row.segment<9>(3) = factor * gradient_coefficients(jet.A, strain.A[m], i, k);
+      row[12] = -factor * jet.A_t(i, k);
     }
-}
-
-Rows rows_of(const Jet& jet, const StrainResponse& strain, const Vec3& normal_velocity) {
-  Rows rows;
-  set_normal_row(jet, strain, normal_velocity, rows);
-  set_hessian_rows(jet, strain, rows);
-  return rows;
 }
 
 using Mat9 = Eigen::Matrix<double, 9, 9>;
@@ -117,22 +112,46 @@ double tangential_information(const Mat3& S, const Vec3& normal) {
 
 }  // namespace
 
-MotionEquations motion_equations(const Jet& jet, const StrainResponse& strain, const Vec3& normal_velocity) {
+MotionRows motion_rows(const Jet& jet, const StrainResponse& strain, const Vec3& normal_velocity) {
+  MotionRows rows;
+  set_normal_row(jet, strain, normal_velocity, rows);
+  set_hessian_rows(jet, strain, rows);
+  return rows;
+}
+
+void RowSums::add(const MotionRows& rows, const Vec3& d, double w) {
+  constexpr int kRows = MotionRows::ColsAtCompileTime, kHalf = kSize / 2;
+  Eigen::Array<double, kSize, kRows> moved = Eigen::Array<double, kSize, kRows>::Zero();
+  moved.topRows<MotionRows::RowsAtCompileTime>() = rows;
+  for (int row = 0; row < kRows; ++row)
+    for (int j = 0; j < 9; ++j) moved(3 + j, row) += rows(j / 3, row) * d[j % 3];
+  for (int j = 0; j < kHalf; ++j) {
+    Eigen::Array<double, kSize, 1> sum = products_.col(j);
+    for (int row = 0; row < kRows; ++row) sum += w * moved(j, row) * moved.col(row);
+    products_.col(j) = sum;
+  }
+  for (int j = kHalf; j < products_.cols(); ++j) {
+    Eigen::Array<double, kHalf, 1> sum = products_.col(j).tail<kHalf>();
+    for (int row = 0; row < kRows; ++row) sum += w * moved(j, row) * moved.col(row).tail<kHalf>();
+    products_.col(j).tail<kHalf>() = sum;
+  }
+  weight_ += w;
+}
+
+MotionEquations RowSums::equations() const {
   using Place = MotionEquations;
-  const Rows rows = rows_of(jet, strain, normal_velocity);
-  const Eigen::Matrix<double, 13, 13> products = rows.transpose().lazyProduct(rows);
   MotionEquations result;
   auto& sum = result.sums;
   for (int a = 0; a < 3; ++a) {
-    for (int b = a; b < 3; ++b) sum[Place::ee(a, b)] = products(a, b);
-    for (int k = 0; k < 9; ++k) sum[Place::ec(a, k)] = products(a, 3 + k);
-    sum[Place::eb(a)] = products(a, 12);
+    for (int b = a; b < 3; ++b) sum[Place::ee(a, b)] = products_(b, a);
+    for (int k = 0; k < 9; ++k) sum[Place::ec(a, k)] = products_(3 + k, a);
+    sum[Place::eb(a)] = products_(12, a);
   }
   for (int j = 0; j < 9; ++j) {
-    for (int k = j; k < 9; ++k) sum[Place::cc(j, k)] = products(3 + j, 3 + k);
-    sum[Place::cb(j)] = products(3 + j, 12);
+    for (int k = j; k < 9; ++k) sum[Place::cc(j, k)] = products_(3 + k, 3 + j);
+    sum[Place::cb(j)] = products_(12, 3 + j);
   }
-  sum[Place::kWeight] = 1;
+  sum[Place::kWeight] = weight_;
   return result;
 }
 
@@ -170,9 +189,10 @@ AffineFit WindowSums::solve(double radius, const Vec3& normal) const {
   if (!(weight() > 0)) return {};
   const auto [N, rhs] = damped_mean(equations(), radius);
   const Eigen::LLT<Mat12, Eigen::Lower> factor(N);
-  const Vec12 z = factor.matrixL().solve(rhs);
+  const Vec12 z = factor.solve(rhs);
   const Mat3 last = factor.matrixLLT().bottomRightCorner<3, 3>().triangularView<Eigen::Lower>();
-  return {.velocity = last.triangularView<Eigen::Lower>().transpose().solve(z.tail<3>()),
+  return {.velocity = z.tail<3>(),
+          .gradient = z.head<9>().reshaped<Eigen::RowMajor>(3, 3) / radius,
           .determined = std::sqrt(tangential_information(last * last.transpose(), normal))};
 }
 

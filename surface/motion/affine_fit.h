@@ -8,14 +8,20 @@
 
 namespace kappaflow {
 
-/// What one surface point y, or a patch of them, says about the affine motion around it: the normal equations
-/// of seven rows a point: that the motion carries f and its Hessian, up to the field's response to strain,
+/// What one surface point y says about the affine motion around it, seven rows [e | c | b] (3, 9 and 1
+/// columns): that the motion carries f and its Hessian, up to the field's response to strain,
 ///   (f_t + g . u - R(E)) / |g| = 0
 ///   (A_t + C u + G^T A + A G - R''(E)) L^2/|g| = 0
-/// with E the symmetric part of G, L = jet.length_scale, C the third derivatives, R'' the Hessian of R. With
-/// the rows [e | c | b], e the coefficients of u(y) [-], c those of G [m], row by row, and b the right-hand
-/// side [m/s], the sums over the rows of e e^T, e b, e c^T, c c^T, c b are kept side by side. The rows of the
-/// Hessian have a weight that bounds what one point can say where |g| vanishes. Last comes the weight of all.
+/// with E the symmetric part of G, L = jet.length_scale, C the third derivatives, R'' the Hessian of R. e are
+/// the coefficients of u(y) [-], c those of G [m], row by row, b the right-hand side [m/s]. The rows of the
+/// Hessian have a weight that bounds what one point can say where |g| vanishes.
+using MotionRows = Eigen::Matrix<double, 13, 7>;
+
+/// The rows at a point with g != 0. normal_velocity stands for -f_t g/|g|^2 and may be limited [m/s].
+MotionRows motion_rows(const Jet& jet, const StrainResponse& strain, const Vec3& normal_velocity);
+
+/// Normal equations of the rows of points about a common centre: the sums over the rows of e e^T, e b, e c^T,
+/// c c^T, c b side by side, and the weight of all.
 struct MotionEquations {
   static constexpr int kShifted =
       36;  ///< e e^T (6), e b (3), e c^T (27): what moving the centre needs comes first
@@ -31,20 +37,34 @@ struct MotionEquations {
   static constexpr int kWeight = 90;
 };
 
-/// The equations at a point with g != 0. normal_velocity stands for -f_t g/|g|^2 and may be limited [m/s].
-MotionEquations motion_equations(const Jet& jet, const StrainResponse& strain, const Vec3& normal_velocity);
+/// Sums the rows of points about their common centre x: about x instead of y = x + d a row [e | c | b] is
+/// [e | c + e d^T | b], for u(y) = a + G d.
+class RowSums {
+ public:
+  /// Adds the rows about y = x + d with the factor w >= 0.
+  void add(const MotionRows& rows, const Vec3& d, double w);
 
-/// The fitted motion at the centre of a window.
+  MotionEquations equations() const;
+
+ private:
+  static constexpr int kSize = 16;  // 13 and what fills vectors of four
+  Eigen::Array<double, kSize, 12> products_ =
+      Eigen::Array<double, kSize, 12>::Zero();  // from the diagonal on
+  double weight_ = 0;
+};
+
+/// The fitted motion about the centre of a window.
 struct AffineFit {
   Vec3 velocity = Vec3::Zero();  ///< a [m/s]
+  Mat3 gradient = Mat3::Zero();  ///< G [1/s]
   /// How strongly the rows bind the velocity where everything else is free to adapt: the square root of the
   /// smallest eigenvalue, over the directions in the tangent plane, of the information about a (the Schur
   /// complement of the weighted mean of the normal equations) [-]. 0: a tangential motion that no row sees.
   double determined = 0;
 };
 
-/// Weighted sums of equations, moved to a common centre x: about x instead of y = x + d a row [e | c | b] is
-/// [e | c + e d^T | b], for u(y) = a + G d. So, with w the factors,
+/// Weighted sums of equations about other centres y = x + d, moved to the centre x as RowSums moves rows. So,
+/// with w the factors,
 ///   e e^T -> sum w e e^T,    e b -> sum w e b,    e_a c_pq -> sum w e_a c_pq + sum w d_q e_a e_p,
 ///   c_pq b -> sum w c_pq b + sum w d_q e_p b,
 ///   c_pq c_st -> sum w c_pq c_st + sum w d_q e_p c_st + sum w d_t e_s c_pq + sum w d_q d_t e_p e_s:

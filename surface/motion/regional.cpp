@@ -15,10 +15,14 @@ namespace {
 
 // Of a window, in length scales at the point: what is not affine within it is averaged, see docs/regional.md.
 constexpr double kRadius = 1.25, kLargestRadius = 2.5;
-constexpr double kSampleSpacing = 0.5;   // [length scales] ten to twenty patches a window
+constexpr double kSampleSpacing = 0.55;  // [length scales] ten to twenty patches a window
 constexpr double kRadiusGrowth = 1.414;  // [1] from one attempt to the next: twice the area
 constexpr double kDetermined = 0.05;     // [1] AffineFit::determined that a window is content with
+constexpr double kBlendRadius = 0.75;    // [length scales] within which patches' motions are blended
+constexpr double kLeastNearness = 1e-3;  // [1] of a vertex's own patch, however far its sample is
 constexpr std::size_t kPointsPerTask = 64;
+
+using WalkOfThread = tbb::enumerable_thread_specific<SampleWalk>;
 
 /// What is known at every point before any window is looked at.
 struct LocalMotion {
@@ -26,7 +30,7 @@ struct LocalMotion {
   std::vector<Vec3> normal_velocity;  // Eq. 4 [m/s]
   std::vector<double> length_scale;   // [m]; 0 where the field has no gradient
   std::vector<double> fastest;        // speed in reach [m/s]
-  std::vector<MotionEquations> equations;
+  std::vector<MotionRows> rows;
 };
 
 LocalMotion local_motion(const Field& field, std::span<const Vec3> position, const VelocityOptions& options) {
@@ -35,7 +39,7 @@ LocalMotion local_motion(const Field& field, std::span<const Vec3> position, con
                     .normal_velocity = std::vector<Vec3>(n, Vec3::Zero()),
                     .length_scale = std::vector<double>(n, 0.0),
                     .fastest = std::vector<double>(n, 0.0),
-                    .equations = std::vector<MotionEquations>(n)};
+                    .rows = std::vector<MotionRows>(n)};
   parallel_for(
       n,
       [&](std::size_t v) {
@@ -46,7 +50,7 @@ LocalMotion local_motion(const Field& field, std::span<const Vec3> position, con
         local.normal_velocity[v] = normal_velocity(jet, options);
         local.length_scale[v] = jet.length_scale;
         local.fastest[v] = jet.fastest_in_reach;
-        local.equations[v] = motion_equations(jet, strain, local.normal_velocity[v]);
+        local.rows[v] = motion_rows(jet, strain, local.normal_velocity[v]);
       },
       kPointsPerTask);
   return local;
@@ -61,8 +65,9 @@ struct Patches {
 
 MotionEquations patch_equations(const LocalMotion& local, const SurfacePoints& points, const Vec3& sample,
                                 std::span<const int> patch) {
-  WindowSums sums(sample);
-  for (const int v : patch) sums.add(local.equations[v], points.position[v], points.area[v]);
+  RowSums sums;
+  for (const int v : patch)
+    if (local.length_scale[v] > 0) sums.add(local.rows[v], points.position[v] - sample, points.area[v]);
   return sums.equations();
 }
 
@@ -84,37 +89,77 @@ Patches patches_of(const LocalMotion& local, const SurfacePoints& points) {
   return patches;
 }
 
-/// What a window tells.
-struct Window {
+/// The motion of a patch, fitted to the window around its sample.
+struct PatchMotion {
   AffineFit fit;
-  double fastest = 0;  // speed in reach of it [m/s]
+  double fastest = 0;  // speed in reach of the window [m/s]
 };
 
-/// The window of `radius` around the point x, which is vertex v [m].
-Window window_at(const Vec3& x, int v, double radius, const LocalMotion& local, const Patches& patches,
-                 SampleWalk& walk) {
-  WindowSums sums(x);
-  double fastest = local.fastest[v];
+MotionEquations equations_of(const MotionRows& rows) {
+  RowSums sums;
+  sums.add(rows, Vec3::Zero(), 1);
+  return sums.equations();
+}
+
+/// The window of `radius` around sample s [m].
+PatchMotion window_at(int s, double radius, const LocalMotion& local, const Patches& patches,
+                      SampleWalk& walk) {
   const SurfaceSamples& samples = patches.samples;
-  for (const int s : walk.around(samples, x, samples.of_vertex[v], radius)) {
-    const Vec3& y = samples.position[s];
+  const Vec3& x = samples.position[s];
+  WindowSums sums(x);
+  double fastest = 0;
+  for (const int t : walk.around(samples, x, s, radius)) {
+    const Vec3& y = samples.position[t];
     const double u = std::max(0.0, 1 - (y - x).squaredNorm() / (radius * radius));
-    sums.add(patches.equations[s], y, u * u);
-    fastest = std::max(fastest, patches.fastest[s]);
+    sums.add(patches.equations[t], y, u * u);
+    fastest = std::max(fastest, patches.fastest[t]);
   }
-  if (!(sums.weight() > 0)) sums.add(local.equations[v], x, 1);
+  const int v = samples.vertex[s];
+  if (!(sums.weight() > 0)) sums.add(equations_of(local.rows[v]), x, 1);
   return {sums.solve(radius, local.normal[v]), fastest};
 }
 
-/// The smallest window around x that determines the tangential velocity, or the largest allowed.
-Window sufficient_window(const Vec3& x, int v, const LocalMotion& local, const Patches& patches,
-                         SampleWalk& walk) {
-  const double scale = local.length_scale[v];
+/// From the smallest window that determines the tangential velocity, or the largest allowed.
+PatchMotion patch_motion(int s, const LocalMotion& local, const Patches& patches, SampleWalk& walk) {
+  const double scale = local.length_scale[patches.samples.vertex[s]];
+  if (!(scale > 0)) return {};
   for (double radius = kRadius * scale;; radius *= kRadiusGrowth) {
-    Window window = window_at(x, v, radius, local, patches, walk);
-    if (window.fit.determined >= kDetermined || radius * kRadiusGrowth > kLargestRadius * scale)
-      return window;
+    PatchMotion motion = window_at(s, radius, local, patches, walk);
+    if (motion.fit.determined >= kDetermined || radius * kRadiusGrowth > kLargestRadius * scale)
+      return motion;
   }
+}
+
+std::vector<PatchMotion> patch_motions(const LocalMotion& local, const Patches& patches, WalkOfThread& walk) {
+  std::vector<PatchMotion> motions(patches.equations.size());
+  parallel_for(
+      motions.size(),
+      [&](std::size_t s) { motions[s] = patch_motion(static_cast<int>(s), local, patches, walk.local()); },
+      kPointsPerTask);
+  return motions;
+}
+
+/// What the patches around vertex v say of its velocity, each by what it knows and the nearer the more.
+PatchMotion blended_motion(const Vec3& x, int v, const LocalMotion& local, const Patches& patches,
+                           std::span<const PatchMotion> motions, SampleWalk& walk) {
+  const SurfaceSamples& samples = patches.samples;
+  const double radius = kBlendRadius * local.length_scale[v];
+  PatchMotion blend{.fit = {}, .fastest = local.fastest[v]};
+  double weights = 0, nearness = 0;
+  for (const int s : walk.around(samples, x, samples.of_vertex[v], radius)) {
+    const Vec3 d = x - samples.position[s];
+    const auto& [fit, fastest] = motions[s];
+    const double u = std::max(kLeastNearness, 1 - d.squaredNorm() / (radius * radius)), near = u * u;
+    const double weight = near * fit.determined * fit.determined;
+    blend.fit.velocity += weight * (fit.velocity + fit.gradient * d);
+    blend.fastest = std::max(blend.fastest, fastest);
+    weights += weight;
+    nearness += near;
+  }
+  if (!(weights > 0)) return blend;
+  blend.fit.velocity /= weights;
+  blend.fit.determined = std::sqrt(weights / nearness);
+  return blend;
 }
 
 }  // namespace
@@ -124,15 +169,16 @@ void evaluate_regional(const Field& field, const SurfacePoints& points, const Ve
   const std::size_t n = points.position.size();
   const LocalMotion local = local_motion(field, points.position, options);
   const Patches patches = patches_of(local, points);
+  WalkOfThread walk;
+  const std::vector<PatchMotion> motions = patch_motions(local, patches, walk);
   std::ranges::fill(result.velocity, Vec3::Zero());
   std::ranges::fill(result.confidence, 0);
-  tbb::enumerable_thread_specific<SampleWalk> walk;
   parallel_for(
       n,
       [&](std::size_t v) {
         if (!(local.length_scale[v] > 0)) return;
         const auto [fit, fastest] =
-            sufficient_window(points.position[v], static_cast<int>(v), local, patches, walk.local());
+            blended_motion(points.position[v], static_cast<int>(v), local, patches, motions, walk.local());
         const Vec3 tangential = fit.velocity - fit.velocity.dot(local.normal[v]) * local.normal[v];
         result.velocity[v] = local.normal_velocity[v] + limited(tangential, options.speed_limit * fastest);
         result.confidence[v] = confidence(fit.determined, options.damping);

@@ -73,8 +73,9 @@ AffineFit fit(const Window& window, double radius, const std::vector<double>& we
   for (std::size_t i = 0; i < window.points.size(); ++i) {
     StrainResponse strain;
     const Jet jet = window.field.jet(window.points[i], strain);
-    sums.add(motion_equations(jet, strain, -jet.f_t / jet.g.squaredNorm() * jet.g), window.points[i],
-             weight[i]);
+    RowSums point;
+    point.add(motion_rows(jet, strain, -jet.f_t / jet.g.squaredNorm() * jet.g), Vec3::Zero(), 1);
+    sums.add(point.equations(), window.points[i], weight[i]);
   }
   return sums.solve(radius, window.field.jet(window.centre).g.normalized());
 }
