@@ -54,10 +54,11 @@ FrameWriter::FrameWriter(FrameSource& source, const OutputDescription& output,
       tracers_(source.tracers()),
       last_(source.last_frame()),
       folder_(folder),
-      export_(export_settings(source, output, methods_, formats),
-              [&folder](const std::string& name, const std::string& content) {
-                folder.write_export(name, content);
-              }) {
+      export_(
+          std::make_shared<const FrameExport>(export_settings(source, output, methods_, formats),
+                                              [&folder](const std::string& name, const std::string& content) {
+                                                folder.write_export(name, content);
+                                              })) {
   const TriangleMesh& mesh = surfaces_.mesh();
   first_ = {static_cast<std::int64_t>(mesh.vertex_count()), mesh.vertex_count()};
   initial_box_ = bounding_box(mesh.rest_position);
@@ -67,10 +68,11 @@ FrameWriter::FrameWriter(FrameSource& source, const OutputDescription& output,
   last_frame_.assign(methods_.size(), {mesh.next_id, mesh.vertex_count()});
   if (const std::vector<TriangleSurface> walls = source.walls_at_start();
       !walls.empty() && !source.walls_move())
-    folder.write_boundary(*boundary_data(walls));
+    folder.write_boundary(boundary_data(walls));
 }
 
 void FrameWriter::write(int frame, FrameSource& source, RunSummary& summary) {
+  folder_.wait();  // for the files of the frame before: no more than one is kept in memory
   const Stopwatch watch;
   FrameReport report = source.take_report(frame);
   if (rest_pair_) rest_pair_->update(source.surfaces(), frame);
@@ -100,7 +102,7 @@ void FrameWriter::write(int frame, FrameSource& source, RunSummary& summary) {
     summary.methods[m].add_frame(method, row.surface, seconds);
   }
   folder_.finish_frame(metrics.time, rows);
-  export_.finish_frame(frame);
+  folder_.beside([to = export_, frame] { to->finish_frame(frame); });
   summary.add_frame(metrics, report.tracer_seconds, shared_seconds);
 }
 
@@ -109,15 +111,15 @@ void FrameWriter::write_liquid(const FrameReport& report) {
   const ParticleFieldOptions& field = surfaces_.field_options();
   if (!report.walls.empty()) {
     const auto walls = boundary_data(report.walls);
-    folder_.write_boundary(frame, *walls);
-    export_.write_walls(frame, *walls);
+    folder_.write_boundary(frame, walls);
+    folder_.beside([to = export_, frame, walls] { to->write_walls(frame, *walls); });
   }
   const Particles& particles = report.particles.particles;
   const std::vector<double> weight =
       field_weights(particles.position, field.sigma, field.weights, particles.scale);
   const auto data = particle_data(report.particles, weight, field.sigma);
-  folder_.write_particles(frame, *data);
-  export_.write_particles(frame, *data);
+  folder_.write_particles(frame, data);
+  folder_.beside([to = export_, frame, data] { to->write_particles(frame, *data); });
 }
 
 /// Frame 0 is, every metrics_interval-th after it, and the last one.
@@ -160,8 +162,11 @@ void FrameWriter::write_mesh(const FrameMetrics& frame, std::size_t m, const Sur
   const TriangleMesh& mesh = surfaces_.mesh(m);
   const std::vector<Vec2> texture = texture_coordinates(mesh.rest_position, initial_box_, output_.texture);
   const auto surface = file_data(frame, m, state, texture);
-  folder_.write_surface(frame.frame, methods_[m], *surface);
-  if (export_.asked_for()) export_.write_surface(frame.frame, methods_[m], *surface);
+  folder_.write_surface(frame.frame, methods_[m], surface);
+  if (export_->asked_for())
+    folder_.beside([to = export_, number = frame.frame, method = methods_[m], surface] {
+      to->write_surface(number, method, *surface);
+    });
 }
 
 /// The share of its vertices that the mesh still has.

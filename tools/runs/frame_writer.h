@@ -1,6 +1,7 @@
 // What one frame leaves in the run folder, and the numbers that go with it.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -60,7 +61,7 @@ class FrameWriter {
   const MaterialTracers& tracers_;
   int last_;  // the last frame
   RunFolder& folder_;
-  FrameExport export_;
+  std::shared_ptr<const FrameExport> export_;  // shared with what is written beside the computation
   Earlier first_;
   Bounds initial_box_;  // of the first mesh
   Checker checker_;

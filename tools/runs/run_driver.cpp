@@ -41,6 +41,7 @@ void RunDriver::restore(int frame, SavedRun& saved) {
 RunSummary RunDriver::advance(const InterruptGuard& guard) {
   try {
     advance_frames(guard);
+    folder_.wait();
   } catch (const IoError& error) {
     throw Error(fmt::format("{}; once that is repaired, kappaflow {} --resume {} goes on", error.what(),
                             settings_.command, folder_.path().string()),
@@ -101,7 +102,7 @@ void RunDriver::write_checkpoint() {
   archive(settings_.command);
   settings_.save_beginning(archive);
   archive(frame_, *this);
-  folder_.write_checkpoint(state.view());
+  folder_.write_checkpoint(std::move(state).str());
 }
 
 int run_outcome(const RunSummary& summary, const std::string& command, const std::filesystem::path& folder,

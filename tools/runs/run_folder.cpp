@@ -143,7 +143,7 @@ RunFolder::RunFolder(fs::path folder, std::vector<std::string> methods, bool for
   make_folder(place_ / "particles");
   for (const std::string& method : methods_) make_folder(place_ / ("surface-" + method));
   const std::array headers{metrics_header(), pieces_header(), timings_header()};
-  for (std::size_t t = 0; t < kTables.size(); ++t) write_text(kTables[t], headers[t]);
+  for (std::size_t t = 0; t < kTables.size(); ++t) write_now(place_ / kTables[t], headers[t]);
   table_lines_.fill(1);
 }
 
@@ -152,10 +152,12 @@ RunFolder::RunFolder(fs::path folder) : folder_(std::move(folder)), lock_(folder
 }
 
 RunFolder::~RunFolder() {
+  if (last_work_.valid()) last_work_.wait();
   if (place_ != folder_) remove_beginning(folder_);
 }
 
 void RunFolder::take_place() {
+  wait();
   if (place_ == folder_) return;
   flush();
   const fs::path begun = std::exchange(place_, folder_);
@@ -168,14 +170,32 @@ void RunFolder::take_place() {
   flush_to_disk(folder_);
 }
 
-void RunFolder::write_data(const std::string& name, vtkPolyData& data) {
-  write_vtp(place_ / name, data);
-  written_.insert(place_ / name);
+void RunFolder::beside(std::function<void()> work) {
+  last_work_ =
+      std::async(std::launch::async, [before = std::move(last_work_), work = std::move(work)]() mutable {
+        if (before.valid()) before.get();
+        work();
+      });
 }
 
-void RunFolder::write_text(const std::string& name, const std::string& text) {
-  write_file(place_ / name, text);
-  written_.insert(place_ / name);
+void RunFolder::wait() {
+  if (last_work_.valid()) last_work_.get();
+}
+
+void RunFolder::write_data(const std::string& name, vtkSmartPointer<vtkPolyData> data) {
+  beside([this, file = place_ / name, data = std::move(data)] {
+    write_vtp(file, *data);
+    written_.insert(file);
+  });
+}
+
+void RunFolder::write_text(const std::string& name, std::string text) {
+  beside([this, file = place_ / name, text = std::move(text)] { write_now(file, text); });
+}
+
+void RunFolder::write_now(const fs::path& file, const std::string& text) {
+  write_file(file, text);
+  written_.insert(file);
 }
 
 void RunFolder::write_record(const std::string& json) {
@@ -186,28 +206,28 @@ void RunFolder::write_scene(const std::string& text) {
   write_text(kSceneFile, text);
 }
 
-void RunFolder::write_boundary(vtkPolyData& data) {
-  write_data(kBoundaryFile, data);
+void RunFolder::write_boundary(vtkSmartPointer<vtkPolyData> data) {
+  write_data(kBoundaryFile, std::move(data));
   has_boundary_ = true;
 }
 
-void RunFolder::write_boundary(int frame, vtkPolyData& data) {
+void RunFolder::write_boundary(int frame, vtkSmartPointer<vtkPolyData> data) {
   if (!boundary_moves_) make_folder(place_ / "boundary");
   has_boundary_ = boundary_moves_ = true;
-  write_data(boundary_file(frame), data);
+  write_data(boundary_file(frame), std::move(data));
 }
 
-void RunFolder::write_particles(int frame, vtkPolyData& data) {
-  write_data(particle_file(frame), data);
+void RunFolder::write_particles(int frame, vtkSmartPointer<vtkPolyData> data) {
+  write_data(particle_file(frame), std::move(data));
 }
 
-void RunFolder::write_surface(int frame, const std::string& method, vtkPolyData& data) {
-  write_data(surface_file(method, frame), data);
+void RunFolder::write_surface(int frame, const std::string& method, vtkSmartPointer<vtkPolyData> data) {
+  write_data(surface_file(method, frame), std::move(data));
 }
 
 void RunFolder::write_export(const std::string& name, const std::string& content) {
   make_folder((place_ / name).parent_path());
-  write_text(name, content);
+  write_now(place_ / name, content);
 }
 
 void RunFolder::finish_frame(double time, const FrameRows& rows) {
@@ -215,9 +235,11 @@ void RunFolder::finish_frame(double time, const FrameRows& rows) {
   write_collections();
   const std::array lines{rows.metrics, rows.pieces, rows.timings};
   for (std::size_t t = 0; t < kTables.size(); ++t) {
-    append_lines(place_ / kTables[t], lines[t]);
     table_lines_[t] += std::ranges::count(lines[t], '\n');
-    written_.insert(place_ / kTables[t]);
+    beside([this, file = place_ / kTables[t], rows = lines[t]] {
+      append_lines(file, rows);
+      written_.insert(file);
+    });
   }
 }
 
@@ -231,9 +253,11 @@ void RunFolder::flush() {
   written_.clear();
 }
 
-void RunFolder::write_checkpoint(std::string_view state) {
-  flush();
-  kappaflow::write_checkpoint(place_ / kCheckpointFile, state);
+void RunFolder::write_checkpoint(std::string state) {
+  beside([this, file = place_ / kCheckpointFile, state = std::move(state)] {
+    flush();
+    kappaflow::write_checkpoint(file, state);
+  });
 }
 
 std::vector<MetricsRow> RunFolder::metrics() const {

@@ -2,10 +2,13 @@
 #pragma once
 
 #include <vtkPolyData.h>
+#include <vtkSmartPointer.h>
 
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <future>
 #include <set>
 #include <string>
 #include <string_view>
@@ -31,6 +34,10 @@ struct FrameRows {
 ///   surface-<method>/surface_0000.obj ... (.ply, .glb)
 ///   run.usda  boundary.usda  particles.usda  surface-<method>.usda, and .usda files in these folders
 /// Whatever is there under these names is complete and listed in the .pvd files, at any moment of the run.
+///
+/// Files are written beside the computation, in the order of the calls: write_...() and finish_frame() return
+/// at once and keep their data until then. Where one cannot be written the rest is not either, and wait()
+/// says so.
 class RunFolder {
  public:
   /// Makes the folder and its tables. Throws InvalidInput when the folder already holds a run (a run.json, or
@@ -40,7 +47,8 @@ class RunFolder {
   /// Opens the folder of a run that was interrupted; what else there is to know, serialize() reads. Throws
   /// InvalidInput when another run is writing into it, IoError when there is no such folder.
   explicit RunFolder(std::filesystem::path folder);
-  /// A run that did not come to take its place leaves the one that it was to replace as it was.
+  /// Waits for what is being written. A run that did not come to take its place leaves the one that it was to
+  /// replace as it was.
   ~RunFolder();
   RunFolder(const RunFolder&) = delete;
   RunFolder& operator=(const RunFolder&) = delete;
@@ -55,19 +63,21 @@ class RunFolder {
   /// A copy of the scene, for resuming the run.
   void write_scene(const std::string& text);
   /// Of all frames.
-  void write_boundary(vtkPolyData& data);
+  void write_boundary(vtkSmartPointer<vtkPolyData> data);
   /// Of one frame of moving walls; for every frame or none.
-  void write_boundary(int frame, vtkPolyData& data);
-  void write_particles(int frame, vtkPolyData& data);
-  void write_surface(int frame, const std::string& method, vtkPolyData& data);
-  /// A file for other programs; name: relative to the folder.
+  void write_boundary(int frame, vtkSmartPointer<vtkPolyData> data);
+  void write_particles(int frame, vtkSmartPointer<vtkPolyData> data);
+  void write_surface(int frame, const std::string& method, vtkSmartPointer<vtkPolyData> data);
+  /// Does what `work` does in its turn among the files; it may call write_export() and nothing else of this.
+  void beside(std::function<void()> work);
+  /// A file for other programs, at once; name: relative to the folder.
   void write_export(const std::string& name, const std::string& content);
   /// Lists the frame's files at `time` [s] in the .pvd files and appends its rows to the tables.
   void finish_frame(double time, const FrameRows& rows);
-  /// Returns when everything that was written is on the disk, where a power cut leaves it.
-  void flush();
-  /// The same, and then the checkpoint too.
-  void write_checkpoint(std::string_view state);
+  /// A checkpoint, once everything before it is on the disk, where a power cut leaves it.
+  void write_checkpoint(std::string state);
+  /// Returns when all of the above is done. Throws what went wrong first: IoError.
+  void wait();
 
   /// Of a resumed run: the frames that are there already, which serialize() leaves to the caller.
   void set_times(std::vector<double> times) { times_ = std::move(times); }
@@ -81,8 +91,10 @@ class RunFolder {
   }
 
  private:
-  void write_data(const std::string& name, vtkPolyData& data);
-  void write_text(const std::string& name, const std::string& text);
+  void write_data(const std::string& name, vtkSmartPointer<vtkPolyData> data);
+  void write_text(const std::string& name, std::string text);
+  void write_now(const std::filesystem::path& file, const std::string& text);
+  void flush();
   void write_collections();
   void cut_tables() const;
 
@@ -93,7 +105,8 @@ class RunFolder {
   std::vector<double> times_;                   // of the finished frames [s]
   std::array<std::uint64_t, 3> table_lines_{};  // of metrics, pieces and timings
   bool has_boundary_ = false, boundary_moves_ = false;
-  std::set<std::filesystem::path> written_;  // since the last flush
+  std::set<std::filesystem::path> written_;  // since the last flush; of the work beside
+  std::future<void> last_work_;              // beside the computation; each waits for the one before it
 };
 
 /// Whether it is one of the folders inside of a run folder, there or to come.

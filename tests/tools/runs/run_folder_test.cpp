@@ -25,8 +25,8 @@ class RunFolderFiles : public Scratch {
   }
 
   void write_frame(RunFolder& run, int frame) {
-    run.write_particles(frame, *point());
-    for (const std::string method : {"total", "curvature"}) run.write_surface(frame, method, *point());
+    run.write_particles(frame, point());
+    for (const std::string method : {"total", "curvature"}) run.write_surface(frame, method, point());
     run.finish_frame(0.1 * frame, {.metrics = "m\n", .pieces = "p\n", .timings = "t\n"});
   }
 };
@@ -35,9 +35,10 @@ TEST_F(RunFolderFiles, HasItsLayoutAfterEveryFrame) {
   const fs::path path = folder / "deep" / "run";
   RunFolder run(path, {"total", "curvature"}, false);
   run.write_record("{}");
-  run.write_boundary(*point());
+  run.write_boundary(point());
   write_frame(run, 0);
   write_frame(run, 1);
+  run.wait();
   for (const char* name : {"run.json", "boundary.vtp", "particles/particles_0001.vtp",
                            "surface-total/surface_0000.vtp", "surface-curvature/surface_0001.vtp"})
     EXPECT_TRUE(fs::is_regular_file(path / name)) << name;
@@ -50,9 +51,10 @@ TEST_F(RunFolderFiles, HasItsLayoutAfterEveryFrame) {
 
 TEST_F(RunFolderFiles, CollectionsNameFilesThatExist) {
   RunFolder run(folder / "run", {"total", "curvature"}, false);
-  run.write_boundary(*point());
+  run.write_boundary(point());
   write_frame(run, 0);
   write_frame(run, 1);
+  run.wait();
   const std::vector<std::pair<const char*, int>> entries{
       {"run.pvd", 8}, {"particles.pvd", 2}, {"surface-total.pvd", 2}, {"surface-curvature.pvd", 2}};
   for (const auto& [name, count] : entries) {
@@ -70,7 +72,7 @@ TEST_F(RunFolderFiles, MovingWallsAreASeries) {
   {
     RunFolder run(folder / "run", {"total", "curvature"}, false);
     for (const int frame : {0, 1}) {
-      run.write_boundary(frame, *point());
+      run.write_boundary(frame, point());
       write_frame(run, frame);
     }
   }
@@ -130,6 +132,7 @@ TEST_F(RunFolderFiles, ARunStaysUntilTheOneThatReplacesItHasBegun) {
   {
     RunFolder failed(folder, {"total", "curvature"}, true);
     write_run(failed, "failed");
+    failed.wait();
     expect_old();
   }
   expect_old();
@@ -140,6 +143,7 @@ TEST_F(RunFolderFiles, ARunStaysUntilTheOneThatReplacesItHasBegun) {
   write_run(run, "new");
   run.take_place();
   write_frame(run, 1);
+  run.wait();
   EXPECT_EQ(bytes_of(folder / "run.json"), "new");
   EXPECT_EQ(bytes_of(folder / "metrics.csv"), metrics_header() + "m\nm\n");
   for (const char* name : {"surface-total/surface_0000.vtp", "surface-total/surface_0001.vtp",
@@ -161,11 +165,26 @@ TEST_F(RunFolderFiles, TwoRunsIntoOneFolderAreRefused) {
   {
     RunFolder run(folder, {"total"}, false);
     run.write_record("{}");
+    run.wait();
     EXPECT_EQ(message_of<InvalidInput>([&] { RunFolder(folder, {"total"}, true); }),
               "another run is writing into " + folder.string() + "; --out DIR writes elsewhere");
     EXPECT_TRUE(fs::exists(folder / "run.json")) << "nothing of the first run is touched";
   }
   RunFolder(folder, {"total"}, true);  // once it has ended
+}
+
+// What is in the folder stays a whole run: the frame whose file failed is in no table, and nothing after it.
+TEST_F(RunFolderFiles, NothingIsWrittenAfterWhatCouldNotBe) {
+  RunFolder run(folder / "run", {"total", "curvature"}, false);
+  write_frame(run, 0);
+  run.wait();
+  fs::remove_all(folder / "run/particles");
+  write_frame(run, 1);
+  run.write_checkpoint("state");
+  EXPECT_THROW(run.wait(), IoError);
+  EXPECT_EQ(bytes_of(folder / "run/metrics.csv"), metrics_header() + "m\n");
+  for (const char* name : {"surface-total/surface_0001.vtp", "checkpoint.bin"})
+    EXPECT_FALSE(fs::exists(folder / "run" / name)) << name;
 }
 
 TEST_F(RunFolderFiles, UnwritablePlaceIsAnIoError) {
