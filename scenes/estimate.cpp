@@ -192,12 +192,17 @@ Flow flow_of(const PreparedScene& prepared, double particles) {
   return flow;
 }
 
-/// The length of a step at `time`, without regard to frames [s].
-double time_step_at(double time, const Scene& scene, const Flow& flow) {
+/// Of the fastest particles at `time` [m/s].
+double speed_at(double time, const Scene& scene, const Flow& flow) {
   const FluidOptions& fluid = scene.fluid;
   const double calm = fluid.emitters.empty() ? kTypicalSpeedShare : kTypicalStreamShare;
   const double share = std::min(calm + flow.splash, kLargestSpeedShare);
-  const double speed = share * std::min(flow.fastest, flow.fastest_start + fluid.gravity.norm() * time);
+  return share * std::min(flow.fastest, flow.fastest_start + fluid.gravity.norm() * time);
+}
+
+/// The length of a step at that speed, without regard to frames [s].
+double time_step_at(double speed, const Scene& scene) {
+  const FluidOptions& fluid = scene.fluid;
   const double step = std::min({cfl_time_step(speed, fluid.gravity.norm(), fluid.cfl * fluid.spacing),
                                 capillary_time_step(fluid.surface_tension, fluid.density, fluid.spacing),
                                 fluid.max_time_step});
@@ -311,15 +316,17 @@ void add_work(const Scene& scene, const FluidParticlesAtStart& start, const Flow
                   first * kSecondsPerFirstVertex,
          output = 0;
   const double frames = std::ceil(scene.duration / frame_time - 1e-9);
+  const double motion_per_step = scene.surface.motion_per_step * scene.surface.sigma * scene.fluid.spacing;
   const int spans = whole_within<int>(frames, 1, kMostSpans);  // of a frame each, as a rule
   const double lasting = scene.duration / spans;
   for (int span = 0; span < spans; ++span) {
     const double middle = (span + 0.5) * lasting;
-    const double steps = std::ceil(lasting / time_step_at(middle, scene, flow) - 1e-9);
+    const double speed = speed_at(middle, scene, flow),
+                 steps = std::ceil(lasting / time_step_at(speed, scene) - 1e-9);
     const double particles = particles_at(middle, scene, start);
     const double smooth = smooth_vertices(middle, scene, flow),
                  torn = torn_vertices(middle, particles, scene, flow), vertices = smooth + torn;
-    const double tracker_steps = std::ceil(steps / scene.surface.stride);
+    const double tracker_steps = std::max(frames / spans, std::min(lasting * speed / motion_per_step, steps));
     result.steps += steps;
     result.particle_steps += steps * particles;
     result.vertices = std::max(result.vertices, vertices);

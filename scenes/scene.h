@@ -74,7 +74,6 @@ struct Wall {
 struct SurfaceDescription : SurfaceOptions {
   /// To track with, from velocity_methods(); may be empty.
   std::vector<std::string> methods{"material"};
-  int stride = 1;  ///< solver steps per tracker step; a frame always ends one
 };
 
 inline constexpr double kFinestEdge = 0.05, kCoarsestEdge = 2;  ///< SurfaceOptions::edge_length

@@ -309,7 +309,7 @@ void read_surface(TomlTable t, SurfaceDescription& surface) {
   surface.edge_length =
       t.number("edge_length", {kFinestEdge, kCoarsestEdge, false, "sigma"}, surface.edge_length);
   surface.methods = t.names("methods", methods, surface.methods);
-  surface.stride = t.integer("stride", 1, kMaxIterations, surface.stride);
+  surface.motion_per_step = t.number("motion_per_step", positive("sigma", 1e6), surface.motion_per_step);
   surface.remesh = t.flag("remesh", surface.remesh);
   surface.topology = t.flag("topology", surface.topology);
   read_tracker(t, surface.tracker);

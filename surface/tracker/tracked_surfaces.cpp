@@ -52,15 +52,6 @@ std::vector<SurfaceTracker> make_trackers(const Field& field, double sigma, cons
   return trackers;
 }
 
-/// The speed [m/s] that all but a few particles stay below.
-double fast_speed(const Particles& particles) {
-  if (particles.velocity.empty()) return 0;
-  std::vector<double> speed;
-  speed.reserve(particles.size());
-  for (const Vec3& v : particles.velocity) speed.push_back(v.norm());
-  return quantile(speed, kShareOfFast);
-}
-
 }  // namespace
 
 ParticleFieldOptions field_options(const SurfaceOptions& options, std::span<const Vec3> first,
@@ -74,6 +65,14 @@ ParticleFieldOptions field_options(const SurfaceOptions& options, std::span<cons
     field.threshold = half_median_threshold(first, weights, field.sigma, scale);
   }
   return field;
+}
+
+double fast_speed(const Particles& particles) {
+  if (particles.velocity.empty()) return 0;
+  std::vector<double> speed;
+  speed.reserve(particles.size());
+  for (const Vec3& v : particles.velocity) speed.push_back(v.norm());
+  return quantile(speed, kShareOfFast);
 }
 
 TrackedSurfaces::TrackedSurfaces(Particles first, const SurfaceOptions& options)

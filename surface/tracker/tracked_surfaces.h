@@ -32,7 +32,7 @@ struct SurfaceOptions {
   bool is_cloud = false;
   /// The fast particles move by this at most in one step, in units of sigma; infinite: the caller's instants
   /// are the steps.
-  double motion_per_step = 0.2;
+  double motion_per_step = 0.25;
   /// One surface for each, all from the same first mesh; empty: evaluate_material, or evaluate_regional for a
   /// point cloud.
   std::vector<VelocityFunction> velocities{};
@@ -44,6 +44,9 @@ struct SurfaceOptions {
 /// InvalidInput as particle_spacing() and half_median_threshold() do.
 ParticleFieldOptions field_options(const SurfaceOptions& options, std::span<const Vec3> first,
                                    std::span<const double> scale = {});
+
+/// The speed that all but a few particles stay below [m/s]: what limits the length of a step.
+double fast_speed(const Particles& particles);
 
 /// Follows the surface of particles through time, with one velocity method or with several side by side. All
 /// surfaces start from one mesh and see the same fields, so that differences between them are the methods'

@@ -4,7 +4,7 @@
 namespace kappaflow {
 
 /// Two emitters and viscosities, a turning wall, tension, lone drops, and
-/// frames in the middle of the surfaces' strides.
+/// steps of the surfaces of several of the liquid's.
 inline constexpr const char* kEverythingScene = R"(
 duration = 0.12
 [fluid]
@@ -41,7 +41,7 @@ angular_velocity = 3
 [surface]
 methods = ["curvature", "regional"]
 weights = "normalised"
-stride = 3
+motion_per_step = 0.5
 [output]
 frames_per_second = 40
 )";

@@ -31,7 +31,7 @@ std::vector<Vec3> mostly_interior_lattice(const Scene& scene) {
   return lattice_points(BoxShape{Vec3::Zero(), Vec3::Constant(edge)}, scene.fluid.spacing);
 }
 
-/// A step of the surfaces is `stride` steps of the liquid.
+/// When a step of the surfaces is due, the simulation decides.
 SurfaceOptions surface_options(const Scene& scene) {
   SurfaceOptions options = scene.surface;
   options.spacing = scene.fluid.spacing;
@@ -40,8 +40,9 @@ SurfaceOptions surface_options(const Scene& scene) {
   options.name = scene.file.string();
   if (!scene.fluid.emitters.empty())
     options.threshold = field_options(options, mostly_interior_lattice(scene)).threshold;
-  options.tracker.repair_interval = whole_within(kRepairPath / (scene.fluid.cfl * scene.surface.stride), 1,
-                                                 std::numeric_limits<int>::max());
+  options.tracker.repair_interval =
+      whole_within(std::round(kRepairPath / (scene.surface.motion_per_step * scene.surface.sigma)), 1,
+                   std::numeric_limits<int>::max());
   return options;
 }
 
@@ -61,7 +62,7 @@ Simulation::Simulation(PreparedScene prepared)
       surfaces_(fluid_.particles(), surface_options(prepared.scene)),
       tracers_(prepared.scene.output.metrics_interval > 0 ? std::span<const Vec3>(surfaces_.mesh().position)
                                                           : std::span<const Vec3>()),
-      stride_(prepared.scene.surface.stride),
+      motion_per_step_(prepared.scene.surface.motion_per_step * surfaces_.field_options().sigma),
       flows_in_(!prepared.scene.fluid.emitters.empty()) {
   surfaces_.find_sources(fluid_.sources());
 }
@@ -74,17 +75,25 @@ bool Simulation::advance(double time, const Watch& watch) {
     report_.density_error_mean = std::max(report_.density_error_mean, step.density_error_mean);
     report_.density_error_max = std::max(report_.density_error_max, step.density_error_max);
     report_.viscosity_error = std::max(report_.viscosity_error, step.viscosity_error);
-    if (++untracked_ == stride_) step_surfaces();
+    Particles now = fluid_.particles();
+    if (!surfaces_wait(now, step.time_step) || !(time - fluid_.time() > kTimeTolerance))
+      step_surfaces(std::move(now));
     if (!watch(step) && time - fluid_.time() > kTimeTolerance) return false;
   }
-  if (untracked_ > 0) step_surfaces();
   surfaces_.settle();
   surfaces_.find_sources(fluid_.sources(), flows_in_);
   return true;
 }
 
-void Simulation::step_surfaces() {
-  surfaces_.step(fluid_.particles(), [this](FieldMotion& step) {
+/// Whether fast particles may go one more step of the liquid like the last one before the surfaces follow.
+bool Simulation::surfaces_wait(const Particles& now, double time_step) {
+  const double way = fast_speed(now) * time_step;
+  untracked_ += way;
+  return untracked_ + way <= motion_per_step_;
+}
+
+void Simulation::step_surfaces(Particles now) {
+  surfaces_.step(std::move(now), [this](FieldMotion& step) {
     report_.tracer_seconds += seconds_of([&] { tracers_.step(step); });
     return true;
   });

@@ -31,7 +31,8 @@ struct SimulationReport {
   }
 };
 
-/// Steps the liquid, and after every `stride` solver steps its surfaces.
+/// Steps the liquid, and its surfaces in steps of their own: of as many of the liquid's as keep to
+/// SurfaceOptions::motion_per_step.
 class Simulation {
  public:
   /// Meshes the surface at t = 0. Throws InvalidInput when the surface is empty.
@@ -64,15 +65,16 @@ class Simulation {
   }
 
  private:
-  void step_surfaces();
+  bool surfaces_wait(const Particles& now, double time_step);
+  void step_surfaces(Particles now);
 
   std::vector<SolidWall> walls_;
   FluidSolver fluid_;
   TrackedSurfaces surfaces_;
   MaterialTracers tracers_;
-  int stride_;
+  double motion_per_step_;   // of fast particles in a step of the surfaces [m]
   bool flows_in_;            // liquid from emitters
-  int untracked_ = 0;        // solver steps that the surfaces have not taken yet
+  double untracked_ = 0;     // the way of fast particles since the surfaces' last step [m]
   SimulationReport report_;  // but for the surfaces
 };
 

@@ -367,7 +367,7 @@ upper = [-0.06, -0.06, -0.06]
 cfl = 1.0
 [surface]
 methods = ["normal"]
-stride = 100000
+motion_per_step = 1e5
 [output]
 frames_per_second = 1.0
 )";
