@@ -54,6 +54,23 @@ Vec4f shuffled(const Vec4f& v) {
   return result;
 }
 
+/// (v[a], v[b], v[c], v[d]), v the eight numbers of `low` and `high`
+template <int a, int b, int c, int d>
+Vec4f shuffled(const Vec4f& low, const Vec4f& high) {
+  Four first, second;
+  std::memcpy(&first, low.data(), sizeof first);
+  std::memcpy(&second, high.data(), sizeof second);
+  first = __builtin_shufflevector(first, second, a, b, c, d);
+  Vec4f result;
+  std::memcpy(result.data(), &first, sizeof first);
+  return result;
+}
+
+/// (v[0], v[1], v[2], 0)
+inline Vec4f without_fourth(const Vec4f& v) {
+  return shuffled<0, 1, 2, 7>(v, Vec4f::Zero());
+}
+
 /// a x b of padded vectors.
 inline Vec4f cross(const Vec4f& a, const Vec4f& b) {
   return shuffled<1, 2, 0, 3>(a.cwiseProduct(shuffled<1, 2, 0, 3>(b)) -

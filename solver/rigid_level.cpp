@@ -219,7 +219,7 @@ RigidMatrix RigidLevel::diagonal(std::uint32_t cell) const {
   };
   for (std::uint32_t k = first_link[cell]; k < first_link[cell + 1]; ++k) add(coupling[k], links[k].to);
   for (const std::uint32_t k : links_to(cell))
-    add(rigid::matrix_from(coupling[k], arm(links[k].from, cell)), links[k].from);
+    add(rigid::matrix_from(coupling[k], arm(links[k].from, cell).head<3>()), links[k].from);
   for (std::size_t k = 0; k < 3; ++k) sum.turning[k] += static_cast<float>(kUncertainty) * moved;
   return sum;
 }
@@ -247,7 +247,7 @@ RigidVector RigidLevel::residual(std::uint32_t cell, const Select& counts) const
   for (const std::uint32_t k : links_to(cell)) {
     const std::uint32_t from = links[k].from;
     if (!counts(from)) continue;
-    const Eigen::Vector3f away = arm(from, cell);
+    const Vec4f away = arm(from, cell);
     result +=
         rigid::load_from(rigid::product(coupling[k], motion[from] - rigid::motion_about(own, away)), away);
   }
@@ -276,8 +276,7 @@ void RigidLevel::restrict_to(RigidLevel& coarser) const {
       [&](std::size_t above) {
         RigidVector sum;
         for (std::uint32_t cell = coarser.first_child_[above]; cell < coarser.first_child_[above + 1]; ++cell)
-          sum +=
-              rigid::load_from(residual(cell, kAll), (centre[cell] - coarser.centre[above]).head<3>().eval());
+          sum += rigid::load_from(residual(cell, kAll), without_fourth(centre[cell] - coarser.centre[above]));
         coarser.load[above] = sum;
       },
       kParentGrain);
@@ -293,7 +292,7 @@ void RigidLevel::add_from(const RigidLevel& coarser) {
   parallel_for(cells(), [&](std::size_t cell) {
     const std::uint32_t above = parent_[cell];
     motion[cell] +=
-        rigid::motion_about(coarser.motion[above], (centre[cell] - coarser.centre[above]).head<3>().eval());
+        rigid::motion_about(coarser.motion[above], without_fourth(centre[cell] - coarser.centre[above]));
   });
 }
 

@@ -71,9 +71,7 @@ class RigidLevel {
   void find_parents(RigidLevel& finer);
   void gather_from(const RigidLevel& finer, std::size_t cell);
   void add_link(const RigidLevel& finer, std::size_t cell, std::uint32_t link, std::uint32_t other);
-  Eigen::Vector3f arm(std::uint32_t to, std::uint32_t from) const {
-    return (centre[to] - centre[from]).head<3>();
-  }
+  Vec4f arm(std::uint32_t to, std::uint32_t from) const { return without_fourth(centre[to] - centre[from]); }
   std::span<const std::uint32_t> links_to(std::size_t cell) const {
     return {row_.data() + first_in_row_[cell], first_in_row_[cell + 1] - first_in_row_[cell]};
   }

@@ -5,7 +5,7 @@
 #include <array>
 
 #include "core/types.h"
-#include "core/wide.h"
+#include "solver/lanes.h"
 
 namespace kappaflow {
 
@@ -13,9 +13,9 @@ namespace kappaflow {
 using SymmetricMatrix = std::array<float, 6>;
 
 /// A rigid motion about a point: velocity [m/s] and angular velocity [rad/s]. Or a load about it: force and
-/// torque.
+/// torque. Both padded.
 struct RigidVector {
-  Eigen::Vector3f linear = Eigen::Vector3f::Zero(), angular = Eigen::Vector3f::Zero();
+  Vec4f linear = Vec4f::Zero(), angular = Vec4f::Zero();
 
   void operator+=(const RigidVector& other) {
     linear += other.linear;
@@ -49,37 +49,34 @@ using RigidMatrix = RigidMatrixOf<float>;
 
 namespace rigid {
 
-inline Eigen::Vector3f product(const SymmetricMatrix& matrix, const Eigen::Vector3f& v) {
-  const auto& [xx, yy, zz, yz, xz, xy] = matrix;
-  return {xx * v[0] + xy * v[1] + xz * v[2], xy * v[0] + yy * v[1] + yz * v[2],
-          xz * v[0] + yz * v[1] + zz * v[2]};
-}
-
-/// Velocity at the point that is `arm` away.
-inline Eigen::Vector3f velocity(const RigidVector& motion, const Eigen::Vector3f& arm) {
-  return motion.linear + motion.angular.cross(arm);
+/// Of a symmetric matrix of six numbers and a padded vector.
+inline Vec4f product(const float* six, const Vec4f& v) {
+  const Vec4f diagonal = Eigen::Map<const Vec4f>(six), zz_yz_xz_xy = Eigen::Map<const Vec4f>(six + 2);
+  return diagonal.cwiseProduct(v) + shuffled<3, 1, 2, 0>(zz_yz_xz_xy).cwiseProduct(shuffled<1, 2, 0, 3>(v)) +
+         shuffled<2, 3, 1, 0>(zz_yz_xz_xy).cwiseProduct(shuffled<2, 0, 1, 3>(v));
 }
 
 /// The same motion about the point that is `arm` away.
-inline RigidVector motion_about(const RigidVector& motion, const Eigen::Vector3f& arm) {
-  return {velocity(motion, arm), motion.angular};
+inline RigidVector motion_about(const RigidVector& motion, const Vec4f& arm) {
+  return {motion.linear + cross(motion.angular, arm), motion.angular};
 }
 
 /// A load about the point that is `arm` away, about this one.
-inline RigidVector load_from(const RigidVector& load, const Eigen::Vector3f& arm) {
-  return {load.linear, load.angular + arm.cross(load.linear)};
+inline RigidVector load_from(const RigidVector& load, const Vec4f& arm) {
+  return {load.linear, load.angular + cross(arm, load.linear)};
 }
 
-inline RigidVector product(const RigidMatrix& matrix, const RigidVector& motion) {
+[[gnu::always_inline]] inline RigidVector product(const RigidMatrix& matrix, const RigidVector& motion) {
+  static_assert(sizeof(RigidMatrix) == 21 * sizeof(float));
+  const float *force = reinterpret_cast<const float*>(&matrix), *torque = force + 6, *turning = force + 15;
+  const auto four = [](const float* at) -> Vec4f { return Eigen::Map<const Vec4f>(at); };
   const auto& [v, w] = motion;
-  const auto& b = matrix.torque;
-  const Eigen::Vector3f force(b[0] * w[0] + b[3] * w[1] + b[6] * w[2],
-                              b[1] * w[0] + b[4] * w[1] + b[7] * w[2],
-                              b[2] * w[0] + b[5] * w[1] + b[8] * w[2]);
-  const Eigen::Vector3f torque(b[0] * v[0] + b[1] * v[1] + b[2] * v[2],
-                               b[3] * v[0] + b[4] * v[1] + b[5] * v[2],
-                               b[6] * v[0] + b[7] * v[1] + b[8] * v[2]);
-  return {product(matrix.force, v) + force, torque + product(matrix.turning, w)};
+  const Vec4f transposed = four(torque) * w[0] + four(torque + 3) * w[1] + four(torque + 6) * w[2];
+  const Vec4f last = four(torque + 5);  // from 5 on: its second, third and fourth are the last row
+  const Vec4f columns = shuffled<0, 3, 5, 5>(four(torque), last) * v[0] +
+                        shuffled<0, 3, 6, 6>(four(torque + 1), last) * v[1] +
+                        shuffled<0, 3, 7, 7>(four(torque + 2), last) * v[2];
+  return {product(force, v) + without_fourth(transposed), without_fourth(columns) + product(turning, w)};
 }
 
 /// [arm] matrix, by rows: arm x its columns.

@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <utility>
@@ -25,6 +26,17 @@ float cell_along(float x, float lower, float width) {
 
 /// w x x^T of eight pairs.
 using WideSquares = std::array<Wide, 6>;
+
+/// By side, of each octant: itself where its cell comes after the particle's, whose links are to those alone,
+/// else 0. What is beyond on the last axis decides.
+constexpr auto kCounted = [] {
+  std::array<std::array<std::int32_t, 8>, 8> counted{};
+  for (unsigned side = 0; side < 8; ++side)
+    for (unsigned octant = 1; octant < 8; ++octant)
+      if ((side & std::bit_floor(octant)) != 0) counted[side][octant] = static_cast<std::int32_t>(octant);
+  return counted;
+}();
+
 WideSquares weighted_squares(const WideVec& x, const Wide& weight) {
   const Wide wx = weight * x.x, wy = weight * x.y, wz = weight * x.z;
   return {wx * x.x, wy * x.y, wz * x.z, wy * x.z, wx * x.z, wx * x.y};
@@ -91,6 +103,8 @@ class RigidMultigrid::CellSums {
 
  private:
   static constexpr int kApart = 8;  // in place of the octant: a particle that no cell carries
+  // Sums that the pairs of a block are added to in turn: none waits for the one before.
+  static constexpr std::size_t kChains = 2;
   using Octants = std::array<std::int32_t, kWide>;
 
   void find_borders(const Vec4f& x);
@@ -103,10 +117,13 @@ class RigidMultigrid::CellSums {
     std::array<Eight, 8> of_pairs{};
     for (std::size_t k = 0; k < 6; ++k) of_pairs[k] = eight_of(squares[k]);
     transpose(of_pairs);
-    for (std::size_t k = 0; k < kWide; ++k) squares_[static_cast<std::size_t>(octant[k])] += of_pairs[k];
+    for (std::size_t k = 0; k < kWide; ++k)
+      squares_[k % kChains][static_cast<std::size_t>(octant[k])] += of_pairs[k];
   }
   Octants octants(const WideVec& xj) const {
-    const EightInts sum = beyond(xj.x, 0) + beyond(xj.y, 1) + beyond(xj.z, 2);
+    EightInts counted;
+    std::memcpy(&counted, kCounted[side_].data(), sizeof counted);
+    const EightInts sum = __builtin_shuffle(counted, beyond(xj.x, 0) + beyond(xj.y, 1) + beyond(xj.z, 2));
     Octants result;
     std::memcpy(result.data(), &sum, sizeof sum);
     return result;
@@ -147,7 +164,8 @@ class RigidMultigrid::CellSums {
   };
   std::array<Border, 3> borders_;
   std::size_t side_ = 0;
-  std::array<Eight, 9> squares_;  // by octant, those beyond no border not to be counted, and of those apart
+  /// By octant, 0 not to be counted, and of those apart.
+  std::array<std::array<Eight, 9>, kChains> squares_;
 
   static std::array<RigidMatrixOf<Wide>, 8> zeros() {
     RigidMatrixOf<Wide> zero;
@@ -161,7 +179,7 @@ class RigidMultigrid::CellSums {
 };
 
 void RigidMultigrid::CellSums::find_borders(const Vec4f& x) {
-  squares_.fill(Eight{});
+  squares_ = {};
   side_ = 0;
   for (std::size_t a = 0; a < 3; ++a) {
     const int axis = static_cast<int>(a);
@@ -175,12 +193,13 @@ void RigidMultigrid::CellSums::find_borders(const Vec4f& x) {
 /// Adds the particle's inertia, its walls' drag and what couple() has noted.
 void RigidMultigrid::CellSums::add_squares(std::size_t i, const SymmetricMatrix& drag) {
   const Eigen::Vector3f arm = grid_.arm(cell_, particles_.position[i]).head<3>();
+  const auto squares = [&](std::size_t octant) -> Eight { return squares_[0][octant] + squares_[1][octant]; };
+  const Eight apart = squares(kApart);
   SymmetricMatrix own;
-  for (std::size_t k = 0; k < 6; ++k)
-    own[k] = (k < 3 ? 1.0f : 0.0f) + time_step_ * (drag[k] + squares_[kApart][k]);
+  for (std::size_t k = 0; k < 6; ++k) own[k] = (k < 3 ? 1.0f : 0.0f) + time_step_ * (drag[k] + apart[k]);
   anchor_ += rigid::matrix_at(own, arm);
   std::array<Eight, 8> columns;
-  for (std::size_t k = 0; k < 8; ++k) columns[k] = k == 0 ? Eight{} : time_step_ * squares_[k];
+  for (std::size_t k = 0; k < 8; ++k) columns[k] = k == 0 ? Eight{} : time_step_ * squares(k);
   transpose(columns);
   WideSquares square;
   for (std::size_t k = 0; k < 6; ++k) square[k] = wide_of(columns[k]);
@@ -319,7 +338,7 @@ double RigidMultigrid::restrict_to(std::size_t cell, const FluidParticles& parti
     force += r[i];
     torque += cross(arm(cell, particles.position[i]), r[i]);
   });
-  if (depth_ > 0) levels_.front().load[cell] = {force.head<3>(), torque.head<3>()};
+  if (depth_ > 0) levels_.front().load[cell] = {force, torque};
   return static_cast<double>(energy.sum());
 }
 

@@ -41,11 +41,7 @@ class RigidMultigrid {
                      const Visit& visit) const;
   /// (D^-1 r)_i.
   Vec4f block_times(std::size_t i, const Vec4f& r) const {
-    const float* const m = inverse_diagonal_[i].data();
-    const Vec4f diagonal = Eigen::Map<const Vec4f>(m), zz_yz_xz_xy = Eigen::Map<const Vec4f>(m + 2);
-    return diagonal.cwiseProduct(r) +
-           shuffled<3, 1, 2, 0>(zz_yz_xz_xy).cwiseProduct(shuffled<1, 2, 0, 3>(r)) +
-           shuffled<2, 3, 1, 0>(zz_yz_xz_xy).cwiseProduct(shuffled<2, 0, 1, 3>(r));
+    return rigid::product(inverse_diagonal_[i].data(), r);
   }
 
   /// The connected component of each cell, by its first cell.
@@ -95,10 +91,7 @@ class RigidMultigrid {
     return !any_weak_ || !is_weak(particles.fluid[i]);
   }
   /// From the cell's centre.
-  Vec4f arm(std::size_t cell, const Vec4f& x) const {
-    const Vec4f arm = x - finest().centre[cell];
-    return {arm[0], arm[1], arm[2], 0};
-  }
+  Vec4f arm(std::size_t cell, const Vec4f& x) const { return without_fourth(x - finest().centre[cell]); }
 
   double spacing_;
   Vec4f lower_ = Vec4f::Zero();  // corner of the grid [m]
@@ -118,9 +111,7 @@ template <class Visit>
 void RigidMultigrid::for_solutions(std::size_t cell, const FluidParticles& particles,
                                    const std::vector<Vec4f>& r, const Visit& visit) const {
   if (depth_ == 0) return for_particles(cell, [&](std::size_t i) { visit(i, block_times(i, r[i])); });
-  const RigidVector& motion = finest().motion[cell];
-  const Vec4f velocity(motion.linear[0], motion.linear[1], motion.linear[2], 0);
-  const Vec4f turning(motion.angular[0], motion.angular[1], motion.angular[2], 0);
+  const auto [velocity, turning] = finest().motion[cell];
   for_particles(cell, [&](std::size_t i) {
     const Vec4f own = block_times(i, r[i]);
     if (!is_carried(i, particles)) return visit(i, own);
