@@ -77,15 +77,18 @@ class RigidMultigrid::CellSums {
     for (std::size_t a = 0; a < 3; ++a) place_[a] = static_cast<float>(place[a]);
   }
 
-  void add(std::size_t i) {
+  /// Returns (L v)_i.
+  Vec4f add(std::size_t i, const std::vector<Vec4f>& v) {
     const bool carried = !grid_.weak_ && grid_.is_carried(i, particles_);
     if (carried) find_borders(particles_.position[i]);
     std::array<Wide, 6> pairs;
     pairs.fill(Wide::Zero());
+    PairResistance resistance(i, v);
     forces_.for_pairs(
         i, particles_, lists_,
         [&](const PairBlock& block, const WideVec& x, const Wide& w, const WideVec& xj)
             __attribute__((always_inline)) {
+              resistance.add(block, x, w);
               const WideSquares squares = weighted_squares(x, w);
               for (std::size_t k = 0; k < 6; ++k) pairs[k] += squares[k];
               if (carried) couple(block, xj, w, squares);
@@ -96,6 +99,7 @@ class RigidMultigrid::CellSums {
         inverse_of({diagonal[0] + drag[0], diagonal[1] + drag[1], diagonal[2] + drag[2], others[0] + drag[3],
                     others[1] + drag[4], others[2] + drag[5]});
     if (carried) add_squares(i, drag);
+    return resistance.sum() + forces_.wall_drag(i, particles_, walls_, v[i]);
   }
 
   /// Writes what has been added.
@@ -244,8 +248,8 @@ SymmetricMatrix RigidMultigrid::CellSums::inverse_of(const SymmetricMatrix& pair
 }
 
 void RigidMultigrid::build(const ViscousForces& forces, const FluidParticles& particles,
-                           const NeighbourLists& lists, const WallSums& walls, float time_step) {
-  find_weak(forces, time_step);
+                           const NeighbourLists& lists, const WallSums& walls, float time_step,
+                           const std::vector<Vec4f>& v, std::vector<Vec4f>& resistance) {
   find_runs(forces, particles);
   find_cells();
   inverse_diagonal_.resize(particles.size());
@@ -253,7 +257,7 @@ void RigidMultigrid::build(const ViscousForces& forces, const FluidParticles& pa
   for_cells([&](std::size_t cell) { find_centre(particles, cell); });
   for_cells([&](std::size_t cell) {
     CellSums sums(*this, cell, forces, particles, lists, walls, time_step);
-    for_particles(cell, [&](std::size_t i) { sums.add(i); });
+    for_particles(cell, [&](std::size_t i) { resistance[i] = sums.add(i, v); });
     if (!weak_) sums.finish();
   });
   depth_ = 0;

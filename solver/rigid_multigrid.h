@@ -26,9 +26,13 @@ class RigidMultigrid {
 
   explicit RigidMultigrid(double spacing);
 
-  /// Of the particles that can change their velocity by viscosity: they are not led, and viscous.
+  /// The first step of build(), after which is_weak() answers.
+  void find_weak(const ViscousForces& forces, float time_step);
+  /// Of the particles that can change their velocity by viscosity: they are not led, and viscous. Their
+  /// (L v)_i, which come of the same loop over pairs, go to `resistance`.
   void build(const ViscousForces& forces, const FluidParticles& particles, const NeighbourLists& lists,
-             const WallSums& walls, float time_step);
+             const WallSums& walls, float time_step, const std::vector<Vec4f>& v,
+             std::vector<Vec4f>& resistance);
 
   /// M^-1 r in three steps, r one vector a particle: restrict_to() for every cell, solve(), for_solutions()
   /// for every cell. The first: P^T r of one cell. Returns r . D^-1 r of its particles.
@@ -82,7 +86,6 @@ class RigidMultigrid {
   class CellSums;
   static constexpr std::size_t kCellGrain = 4;  // cells that a task works on
 
-  void find_weak(const ViscousForces& forces, float time_step);
   void find_runs(const ViscousForces& forces, const FluidParticles& particles);
   void find_cells();
   void find_centre(const FluidParticles& particles, std::size_t cell);

@@ -88,18 +88,22 @@ class ViscositySolver::ConjugateGradients {
         direction_(particles.scratch[1]),
         image_(particles.scratch[2]) {
     for (auto* vector : {&residual_, &direction_, &image_}) vector->resize(particles.size());
+    cells_.find_weak(forces_, time_step);
     parallel_for(particles.size(), [this](std::size_t i) { start(i); });
   }
 
-  /// r = v* - v - dt (L v - f).
+  /// Builds the preconditioner and finds the first residual.
+  Squares begin() {
+    cells_.build(forces_, particles_, lists_, walls_, time_step_, solution_, image_);
+    return find_residual();
+  }
+
+  /// Finds the residual anew.
   Squares restart() {
     parallel_for(particles_.size(), [this](std::size_t i) {
-      if (!forces_.act_on(i, particles_)) return;
-      const Vec4f friction = forces_.resistance(i, particles_, lists_, walls_, solution_) -
-                             forces_.wall_drive(i, particles_, walls_);
-      residual_[i] = particles_.velocity[i] - solution_[i] - time_step_ * friction;
+      image_[i] = forces_.resistance(i, particles_, lists_, walls_, solution_);
     });
-    return sum(Squares(), [this](std::size_t cell) { return squares(cell); });
+    return find_residual();
   }
 
   /// p = z + factor p; returns z . z.
@@ -161,6 +165,16 @@ class ViscositySolver::ConjugateGradients {
     solution_[i] = !forces_.act_on(i, particles_) ? now : weak ? Vec4f(now + change) : Vec4f(last + change);
     acceleration_[i] = weak ? Vec4h::Zero() : halved((last - now) / time_step_);
   }
+  /// r = v* - v - dt (L v - f) from q = L v.
+  Squares find_residual() {
+    return sum(Squares(), [this](std::size_t cell) {
+      cells_.for_particles(cell, [this](std::size_t i) {
+        const Vec4f friction = image_[i] - forces_.wall_drive(i, particles_, walls_);
+        residual_[i] = particles_.velocity[i] - solution_[i] - time_step_ * friction;
+      });
+      return squares(cell);
+    });
+  }
   /// Of v and r as they are in the cell; restricts r to it.
   Squares squares(std::size_t cell) {
     Vec4f change = Vec4f::Zero(), speed = change;
@@ -190,9 +204,8 @@ class ViscositySolver::ConjugateGradients {
 ViscositySolve ViscositySolver::solve(FluidParticles& particles, const NeighbourLists& lists,
                                       const WallSums& walls, float time_step) {
   if (forces_.none()) return {};
-  preconditioner_.build(forces_, particles, lists, walls, time_step);
   ConjugateGradients step(*this, preconditioner_, particles, lists, walls, time_step);
-  Squares squares = step.restart();
+  Squares squares = step.begin();
   const auto precondition = [&] { return squares.block_energy + preconditioner_.solve(); };
   ViscositySolve result;
   double energy = precondition(), first = energy, last = 0;

@@ -40,6 +40,28 @@ class ViscosityWeight {
   float inverse_square_;
 };
 
+/// What (L v)_i takes from the neighbours of particle i.
+class PairResistance {
+ public:
+  PairResistance(std::size_t i, const std::vector<Vec4f>& v) : v_(v), own_(v[i]) {}
+
+  /// As ViscousForces::for_pairs() calls its visit.
+  [[gnu::always_inline]] void add(const PairBlock& block, const WideVec& x, const Wide& weight) {
+    const WideVec other = gather(v_, block);
+    const Wide scale =
+        weight * (x.x * (own_[0] - other.x) + x.y * (own_[1] - other.y) + x.z * (own_[2] - other.z));
+    x_ += scale * x.x;
+    y_ += scale * x.y;
+    z_ += scale * x.z;
+  }
+  Vec4f sum() const { return sums(x_, y_, z_); }
+
+ private:
+  const std::vector<Vec4f>& v_;
+  Vec4f own_;
+  Wide x_ = Wide::Zero(), y_ = Wide::Zero(), z_ = Wide::Zero();
+};
+
 /// The viscous acceleration is f - L v [m/s2]:
 ///   (L v)_i = sum_j nu_ij c_ij x_ij (x_ij . v_ij) + nu_i' g_i (I - n n^T) v_i,
 ///   f_i     = nu_i' g_i (I - n n^T) v_w,
@@ -119,17 +141,12 @@ inline void ViscousForces::for_pairs(std::size_t i, const FluidParticles& partic
 inline Vec4f ViscousForces::resistance(std::size_t i, const FluidParticles& particles,
                                        const NeighbourLists& lists, const WallSums& walls,
                                        const std::vector<Vec4f>& v) const {
-  const Vec4f vi = v[i];
-  Wide sum_x = Wide::Zero(), sum_y = Wide::Zero(), sum_z = Wide::Zero();
+  PairResistance sum(i, v);
   for_pairs(
-      i, particles, lists, [&](const PairBlock& block, const WideVec& x, const Wide& weight, const WideVec&) {
-        const WideVec vj = gather(v, block);
-        const Wide scale = weight * (x.x * (vi[0] - vj.x) + x.y * (vi[1] - vj.y) + x.z * (vi[2] - vj.z));
-        sum_x += scale * x.x;
-        sum_y += scale * x.y;
-        sum_z += scale * x.z;
-      });
-  return sums(sum_x, sum_y, sum_z) + wall_drag(i, particles, walls, vi);
+      i, particles, lists,
+      [&](const PairBlock& block, const WideVec& x, const Wide& weight, const WideVec&)
+          __attribute__((always_inline)) { sum.add(block, x, weight); });
+  return sum.sum() + wall_drag(i, particles, walls, v[i]);
 }
 
 }  // namespace kappaflow
