@@ -89,30 +89,43 @@ inline constexpr auto kPacking = [] {
 }  // namespace detail
 #endif
 
+/// The lanes where it is true, as bits.
+inline unsigned lanes_of(const EightInts& truth) {
+#ifdef __AVX2__
+  return static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(__m256i(truth))));
+#else
+  unsigned lanes = 0;
+  for (unsigned lane = 0; lane < kWide; ++lane) lanes |= static_cast<unsigned>(truth[lane] != 0) << lane;
+  return lanes;
+#endif
+}
+
+/// Writes those of the eight values whose lanes are set to the front of `out`, in order. There is room for
+/// eight. T: Eight or EightInts, and Number a number of as many bits as theirs.
+template <class T, class Number>
+void pack(const T& values, unsigned lanes, Number* out) {
+  static_assert(sizeof(Number) == 4);
+#ifdef __AVX2__
+  const __m256i order = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(detail::kPacking[lanes].data()));
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), _mm256_permutevar8x32_epi32(__m256i(values), order));
+#else
+  std::array<Number, kWide> numbers;
+  std::memcpy(numbers.data(), &values, sizeof numbers);
+  for (unsigned lane = 0; lane < kWide; ++lane)
+    if (lanes >> lane & 1) *out++ = numbers[lane];
+#endif
+}
+
 /// Writes to the front of `value_out` and `index_out` those of the eight values that are below `limit` and
 /// whose index is not `except`, and their indices, in order; returns how many. Both have room for eight.
 inline int pack_below(const Wide& value, const std::uint32_t* index, float limit, std::uint32_t except,
                       float* value_out, std::uint32_t* index_out) {
-#ifdef __AVX2__
-  const __m256 values = _mm256_load_ps(value.data());
-  const __m256i indices = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(index));
-  const __m256i excepted = _mm256_cmpeq_epi32(indices, _mm256_set1_epi32(static_cast<int>(except)));
-  const __m256 below = _mm256_cmp_ps(values, _mm256_set1_ps(limit), _CMP_LT_OQ);
-  const auto lanes =
-      static_cast<unsigned>(_mm256_movemask_ps(_mm256_andnot_ps(_mm256_castsi256_ps(excepted), below)));
-  const __m256i order = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(detail::kPacking[lanes].data()));
-  _mm256_storeu_ps(value_out, _mm256_permutevar8x32_ps(values, order));
-  _mm256_storeu_si256(reinterpret_cast<__m256i*>(index_out), _mm256_permutevar8x32_epi32(indices, order));
+  EightInts indices;
+  std::memcpy(&indices, index, sizeof indices);
+  const unsigned lanes = lanes_of((eight_of(value) < limit) & (indices != static_cast<std::int32_t>(except)));
+  pack(eight_of(value), lanes, value_out);
+  pack(indices, lanes, index_out);
   return std::popcount(lanes);
-#else
-  int packed = 0;
-  for (int lane = 0; lane < kWide; ++lane)
-    if (value[lane] < limit && index[lane] != except) {
-      value_out[packed] = value[lane];
-      index_out[packed++] = index[lane];
-    }
-  return packed;
-#endif
 }
 
 }  // namespace kappaflow

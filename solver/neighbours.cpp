@@ -1,12 +1,32 @@
 #include "solver/neighbours.h"
 
 #include <atomic>
+#include <bit>
 #include <limits>
 
 #include "core/parallel.h"
 #include "solver/lanes.h"
 
 namespace kappaflow {
+namespace {
+
+constexpr std::uint32_t kLargestOffset = std::numeric_limits<std::uint16_t>::max();  // within a block
+constexpr std::array<std::uint16_t, kWide> kInOrder{0, 1, 2, 3, 4, 5, 6, 7};
+
+/// k, k + 1, ...
+EightInts indices_from(std::uint32_t k) {
+  return static_cast<std::int32_t>(k) + EightInts{0, 1, 2, 3, 4, 5, 6, 7};
+}
+
+/// Squared distance of eight points from a box.
+Wide square_outside(const WideVec& p, const Vec4f& lower, const Vec4f& upper) {
+  const auto along = [&](const Wide& x, int axis) -> Wide {
+    return (lower[axis] - x).max(x - upper[axis]).max(0.0f);
+  };
+  return along(p.x, 0).square() + along(p.y, 1).square() + along(p.z, 2).square();
+}
+
+}  // namespace
 
 NeighbourSearch::NeighbourSearch(float spacing)
     : kernel_(2 * spacing),
@@ -30,7 +50,17 @@ void NeighbourSearch::Scratch::collect(const CellGrid& grid, std::size_t begin, 
       for (auto* axis : {&x, &y, &z}) axis->resize(2 * room);
       candidate.resize(2 * room);
     }
-    for (std::uint32_t k = first; k < last; ++k) {
+    std::uint32_t k = first;
+    for (; k + kWide <= last; k += kWide) {
+      const WideVec p = gather(&position[k], kInOrder.data());
+      const unsigned lanes = lanes_of(eight_of(square_outside(p, lower, upper)) < support * support);
+      pack(eight_of(p.x), lanes, &x[count]);
+      pack(eight_of(p.y), lanes, &y[count]);
+      pack(eight_of(p.z), lanes, &z[count]);
+      pack(indices_from(k), lanes, &candidate[count]);
+      count += static_cast<std::size_t>(std::popcount(lanes));
+    }
+    for (; k < last; ++k) {
       const Vec4f& p = position[k];
       x[count] = p[0], y[count] = p[1], z[count] = p[2], candidate[count] = k;
       const Vec4f outside = (lower - p).cwiseMax(p - upper).cwiseMax(0.0f);
@@ -61,26 +91,29 @@ void NeighbourSearch::Scratch::append_row(std::uint32_t i, const Vec4f& xi, floa
 
 /// Pads what was found to whole blocks, each of which spans less than 2^16 particles.
 void NeighbourSearch::Scratch::pad_row(std::size_t begin, std::size_t end, float support) {
-  constexpr std::uint32_t kLargestOffset = std::numeric_limits<std::uint16_t>::max();
+  if (begin != end && found[end - 1] - found[begin] > kLargestOffset) end = cut_row(begin, end, support);
+  for (; end % kWide != 0; ++end) found[end] = found[end / kWide * kWide], square[end] = support * support;
+  rows.push_back(
+      {static_cast<std::uint32_t>(begin / kWide), static_cast<std::uint32_t>((end - begin) / kWide)});
+  pairs = end;
+}
+
+/// Pads where a block would span more; returns the row's new end.
+std::size_t NeighbourSearch::Scratch::cut_row(std::size_t begin, std::size_t end, float support) {
   row.assign(found.begin() + static_cast<std::ptrdiff_t>(begin),
              found.begin() + static_cast<std::ptrdiff_t>(end));
   row_square.assign(square.begin() + static_cast<std::ptrdiff_t>(begin),
                     square.begin() + static_cast<std::ptrdiff_t>(end));
   std::size_t at = begin;
-  std::uint32_t base = 0;
-  const auto pad = [&] {
-    for (; at % kWide != 0; ++at) found[at] = base, square[at] = support * support;
-  };
+  std::uint32_t base = row.front();
   for (std::size_t k = 0; k < row.size(); ++k) {
-    if (row[k] - base > kLargestOffset) pad();
+    if (row[k] - base > kLargestOffset)
+      for (; at % kWide != 0; ++at) found[at] = base, square[at] = support * support;
     if (at % kWide == 0) base = row[k];
     found[at] = row[k], square[at] = row_square[k];
     ++at;
   }
-  pad();
-  rows.push_back(
-      {static_cast<std::uint32_t>(begin / kWide), static_cast<std::uint32_t>((at - begin) / kWide)});
-  pairs = at;
+  return at;
 }
 
 template <class T>

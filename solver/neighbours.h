@@ -78,13 +78,14 @@ class NeighbourSearch {
     std::vector<std::uint32_t> found;      // their j
     std::size_t pairs = 0;                 // in both, padding included
     std::vector<NeighbourLists::Row> rows;
-    std::vector<std::uint32_t> row;  // one, before it is padded
+    std::vector<std::uint32_t> row;  // one, before it is cut
     std::vector<float> row_square;
 
     void collect(const CellGrid& grid, std::size_t begin, std::size_t end, std::span<const Vec4f> position,
                  float support);
     void append_row(std::uint32_t i, const Vec4f& xi, float support);
     void pad_row(std::size_t begin, std::size_t end, float support);
+    std::size_t cut_row(std::size_t begin, std::size_t end, float support);
   };
 
   std::size_t fill(FluidParticles& particles, NeighbourLists& lists);
