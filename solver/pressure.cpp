@@ -1,6 +1,7 @@
 #include "solver/pressure.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/parallel.h"
@@ -26,8 +27,9 @@ std::vector<float>& sources(FluidParticles& particles) {
   return particles.scalar_scratch;
 }
 /// Four numbers a particle: kappa after this iteration and the last, before extrapolation; kappa and the
-/// constraint's violation that the last iteration saw.
-enum Iterate { kProposed, kAccepted, kSeenKappa, kSeenViolation };
+/// constraint's violation that the last iteration saw. Before the first: D of the accelerations that the
+/// pressure begins with.
+enum Iterate { kProposed, kAccepted, kSeenKappa, kSeenViolation, kFirstRate = kProposed };
 std::vector<Vec4f>& iterates(FluidParticles& particles) {
   return particles.scratch[1];
 }
@@ -40,14 +42,14 @@ void accelerate_by_pressure(FluidParticles& particles, const NeighbourLists& lis
 
 /// Multiplies the pressure by what minimises the problem along it, where the whole of it does the work that
 /// its particles need: kappa^T source = dt^2 |a|^2. Sweeps reach one neighbour further each and take many to
-/// change the pressure of a whole column; this needs none.
-void fit_scale(FluidParticles& particles, float square_step) {
+/// change the pressure of a whole column; this needs none. Returns the factor.
+float fit_scale(FluidParticles& particles, float square_step) {
   auto& acceleration = accelerations(particles);
   const auto& source = sources(particles);
   const std::size_t n = particles.size();
   const double square = parallel_sum<double>(
       n, 0, [&](std::size_t i) { return static_cast<double>(acceleration[i].squaredNorm()); });
-  if (!(square > 0)) return;
+  if (!(square > 0)) return 1;
   const double needed = parallel_sum<double>(n, 0, [&](std::size_t i) {
     return static_cast<double>(particles.position[i][3]) * static_cast<double>(source[i]);
   });
@@ -56,6 +58,7 @@ void fit_scale(FluidParticles& particles, float square_step) {
     particles.position[i][3] *= scale;
     acceleration[i] *= scale;
   });
+  return scale;
 }
 
 /// Takes over the pressure that a solve has found.
@@ -73,6 +76,42 @@ void start_from(const std::vector<float>& kappa, FluidParticles& particles, cons
   accelerations(particles).resize(n);
   parallel_for(n, [&](std::size_t i) { particles.position[i][3] = kappa[i]; });
   accelerate_by_pressure(particles, lists);
+}
+
+/// D u and D v of one particle.
+std::array<float, 2> density_rates(std::size_t i, const FluidParticles& particles,
+                                   const NeighbourLists& lists, const std::vector<Vec4f>& u,
+                                   const std::vector<Vec4f>& v) {
+  const Vec4f xi = particles.position[i];
+  Wide sum_u = Wide::Zero(), sum_v = Wide::Zero();
+  for (const PairBlock& block : lists.of(i)) {
+    const WideVec xj = gather(particles.position, block);
+    const Wide factor = lists.factor(block);
+    const Wide x = xi[0] - xj.x, y = xi[1] - xj.y, z = xi[2] - xj.z;
+    const WideVec uj = gather(u, block);
+    sum_u += factor * (x * uj.x + y * uj.y + z * uj.z);
+    const WideVec vj = gather(v, block);
+    sum_v += factor * (x * vj.x + y * vj.y + z * vj.z);
+  }
+  const auto own = [&](const Vec4f& w) { return w.cwiseProduct(particles.gradient_sum[i]).head<3>().sum(); };
+  return {own(u[i]) - sum_u.sum(), own(v[i]) - sum_v.sum()};
+}
+
+/// Fills sources() with base(i) plus what the velocities and walls compress in a step, and finds the first
+/// rates, which come of the same loop over pairs.
+template <class Base>
+void find_sources(FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,
+                  float time_step, const Base& base) {
+  auto& source = sources(particles);
+  auto& iterate = iterates(particles);
+  source.resize(particles.size());
+  iterate.resize(particles.size());
+  parallel_for(particles.size(), [&](std::size_t i) {
+    const auto [rate, first] =
+        density_rates(i, particles, lists, particles.velocity, accelerations(particles));
+    source[i] = base(i) + time_step * (rate + walls.density_rate(i));
+    iterate[i][kFirstRate] = first;
+  });
 }
 
 /// The least kappa of a particle.
@@ -135,13 +174,8 @@ PressureSolve PressureSolver::correct_density(FluidParticles& particles, const N
   const std::size_t n = particles.size();
   start_from(particles.density_pressure, particles, lists);
   const auto& acceleration = accelerations(particles);
-  auto& source = sources(particles);
-  source.resize(n);
   parallel_for(n, [&](std::size_t i) { particles.velocity[i] -= time_step * acceleration[i]; });
-  parallel_for(n, [&](std::size_t i) {
-    const float rate = density_rate(i, particles, lists, particles.velocity) + walls.density_rate(i);
-    source[i] = particles.density[i] - 1 + time_step * rate;
-  });
+  find_sources(particles, lists, walls, time_step, [&](std::size_t i) { return particles.density[i] - 1; });
   const PressureSolve done = solve(particles, lists, time_step, density_tolerance_, kMinIterations, least);
   accept(particles, time_step, particles.density_pressure);
   return done;
@@ -150,12 +184,8 @@ PressureSolve PressureSolver::correct_density(FluidParticles& particles, const N
 PressureSolve PressureSolver::correct_divergence(FluidParticles& particles, const NeighbourLists& lists,
                                                  const WallSums& walls, float time_step) {
   start_from(particles.divergence_pressure, particles, lists);
-  auto& source = sources(particles);
-  source.resize(particles.size());
-  parallel_for(particles.size(), [&](std::size_t i) {
-    const float rate = density_rate(i, particles, lists, particles.velocity) + walls.density_rate(i);
-    source[i] = std::min(particles.density[i] - 1, 0.0f) + time_step * rate;
-  });
+  find_sources(particles, lists, walls, time_step,
+               [&](std::size_t i) { return std::min(particles.density[i] - 1, 0.0f); });
   const PressureSolve done =
       solve(particles, lists, time_step, divergence_tolerance_, kMinDivergenceIterations);
   accept(particles, time_step, particles.divergence_pressure);
@@ -169,6 +199,7 @@ PressureSolve PressureSolver::move_apart(FluidParticles& particles, const Neighb
   auto& source = sources(particles);
   acceleration.assign(n, Vec4f::Zero());
   source.resize(n);
+  iterates(particles).assign(n, Vec4f::Zero());
   parallel_for(n, [&](std::size_t i) {
     particles.position[i][3] = 0;
     source[i] = particles.density[i] - 1;
@@ -180,7 +211,7 @@ PressureSolve PressureSolver::move_apart(FluidParticles& particles, const Neighb
 
 PressureSolver::Progress PressureSolver::iterate(FluidParticles& particles, const NeighbourLists& lists,
                                                  float square_step, float relaxation,
-                                                 std::span<const float> least) {
+                                                 std::span<const float> least, bool first) {
   const auto& acceleration = accelerations(particles);
   const auto& source = sources(particles);
   auto& iterate = iterates(particles);
@@ -188,11 +219,12 @@ PressureSolver::Progress PressureSolver::iterate(FluidParticles& particles, cons
     const float diagonal =
         square_step * (particles.gradient_sum[i].squaredNorm() + particles.gradient_square_sum[i]);
     const float kappa = particles.position[i][3], bound = bound_of(least, i);
-    const float violation = source[i] + square_step * density_rate(i, particles, lists, acceleration);
+    const Vec4f last = iterate[i];
+    const float rate = first ? last[kFirstRate] : density_rate(i, particles, lists, acceleration);
+    const float violation = source[i] + square_step * rate;
     const float jacobi = violation / std::max(diagonal, square_step * kLeastDiagonal);
     const float proposed =
         diagonal > square_step * kLeastDiagonal ? std::max(bound, kappa + relaxation * jacobi) : bound;
-    const Vec4f last = iterate[i];
     const float move = kappa - last[kSeenKappa];
     iterate[i] = {proposed, last[kAccepted], kappa, violation};
     return Progress{std::abs(std::max((bound - kappa) * diagonal, violation)),
@@ -206,15 +238,14 @@ PressureSolve PressureSolver::solve(FluidParticles& particles, const NeighbourLi
   const std::size_t n = particles.size();
   const float square_step = time_step * time_step;
   auto& iterate_of = iterates(particles);
-  iterate_of.resize(n);
-  if (least.empty()) fit_scale(particles, square_step);
+  const float scale = least.empty() ? fit_scale(particles, square_step) : 1;
   parallel_for(n, [&](std::size_t i) {
     const float kappa = particles.position[i][3];
-    iterate_of[i] = {0, kappa, kappa, 0};
+    iterate_of[i] = {scale * iterate_of[i][kFirstRate], kappa, kappa, 0};
   });
   float momentum = 1, curvature = kFirstCurvature;
   for (int iterations = 0;; ++iterations) {
-    const Progress progress = iterate(particles, lists, square_step, 1 / curvature, least);
+    const Progress progress = iterate(particles, lists, square_step, 1 / curvature, least, iterations == 0);
     const double mean_error = progress.error / static_cast<double>(n);
     const bool converged = mean_error <= tolerance && progress.max_error <= kMaxCompression;
     if ((converged && iterations >= min_iterations) || iterations == max_iterations_) {

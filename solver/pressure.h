@@ -74,7 +74,7 @@ class PressureSolver {
   PressureSolve solve(FluidParticles& particles, const NeighbourLists& lists, float time_step,
                       double tolerance, int min_iterations, std::span<const float> least = {});
   Progress iterate(FluidParticles& particles, const NeighbourLists& lists, float square_step,
-                   float relaxation, std::span<const float> least);
+                   float relaxation, std::span<const float> least, bool first);
 
   double density_tolerance_, divergence_tolerance_;
   int max_iterations_;
