@@ -75,15 +75,36 @@ Vec3 centroid_move(std::span<const int> ring, std::span<const Vec3> position, in
   return sum / static_cast<double>(ring.size());
 }
 
+bool is_lost(const VertexRings& rings, const TriangleMesh& mesh, const FairingState& state, int v) {
+  return mesh.unprojected[v] || is_folded(rings, state.third_corner, mesh, v);
+}
+
+/// Vertices that have somewhere to go, and their neighbours, whose triangles they could fold.
+void find_moving(const VertexRings& rings, const TriangleMesh& mesh, FairingState& state) {
+  state.restless.resize(mesh.vertex_count());
+  parallel_for(mesh.vertex_count(), [&](std::size_t v) {
+    state.restless[v] = mesh.mobility[v] > 0 || is_lost(rings, mesh, state, static_cast<int>(v));
+  });
+  state.moving.clear();
+  const auto is_restless = [&](int v) { return state.restless[v] != 0; };
+  for (int v = 0; v < static_cast<int>(mesh.vertex_count()); ++v)
+    if (is_restless(v) || std::ranges::any_of(rings.of(v), is_restless)) state.moving.push_back(v);
+  state.moved_position.resize(state.moving.size());
+}
+
 void relax_vertices(const VertexRings& rings, double relaxation, TriangleMesh& mesh, FairingState& state) {
-  parallel_for(mesh.vertex_count(), [&](std::size_t i) {
-    const int v = static_cast<int>(i);
-    const bool lost = mesh.unprojected[v] || is_folded(rings, state.third_corner, mesh, v);
+  parallel_for(state.moving.size(), [&](std::size_t k) {
+    const int v = state.moving[k];
+    const bool lost = is_lost(rings, mesh, state, v);
+    const double share = relaxation * (lost ? 1 : mesh.mobility[v]);
+    state.moved_position[k] = mesh.position[v];
+    if (!(share > 0)) return;
     const Vec3 move = lost ? centroid_move(rings.of(v), mesh.position, v)
                            : spring_move(rings, state.rest_length, mesh.position, mesh.gradient[v], v);
-    state.moved_position[v] = mesh.position[v] + relaxation * (lost ? 1 : mesh.mobility[v]) * move;
+    state.moved_position[k] += share * move;
   });
-  std::swap(mesh.position, state.moved_position);
+  for (std::size_t k = 0; k < state.moving.size(); ++k)
+    mesh.position[state.moving[k]] = state.moved_position[k];
 }
 
 /// Rest lengths go the share 1 - exp(-dt/time) of the way to the current lengths.
@@ -113,7 +134,6 @@ FairingState fairing_state(const TriangleMesh& mesh, const VertexRings& rings) {
   state.rest_length.assign(rings.neighbour.size(), 0);
   relax_rest_lengths(rings, mesh.position, 1, state.rest_length);
   third_corners(rings, mesh.triangles, state.third_corner);
-  state.moved_position.resize(mesh.vertex_count());
   return state;
 }
 
@@ -130,15 +150,15 @@ void renew_fairing_state(const TriangleMesh& mesh, const VertexHistory& history,
   });
   std::swap(state.rest_length, state.renewed);
   third_corners(rings, mesh.triangles, state.third_corner);
-  state.moved_position.resize(mesh.vertex_count());
 }
 
 double fair(const Field& field, const VertexRings& rings, const FairingOptions& options,
             const ProjectionOptions& projection, double dt, TriangleMesh& mesh, FairingState& state) {
   double residual = 0;
+  if (options.iterations > 0) find_moving(rings, mesh, state);
   for (int iteration = 0; iteration < options.iterations; ++iteration) {
     relax_vertices(rings, options.relaxation, mesh, state);
-    residual = project_all(field, projection, mesh.position, mesh.unprojected, mesh.gradient);
+    residual = project_some(field, projection, state.moving, mesh.position, mesh.unprojected, mesh.gradient);
   }
   relax_rest_lengths(rings, mesh.position, 1 - std::exp(-dt / options.rest_length_time), state.rest_length);
   return residual;

@@ -16,7 +16,9 @@ namespace kappaflow {
 struct FairingState {
   std::vector<double> rest_length;
   std::vector<int> third_corner;     ///< parallel to them: of the triangle that runs from vertex to neighbour
-  std::vector<Vec3> moved_position;  ///< the vertices of an iteration in the making
+  std::vector<char> restless;        ///< whether a vertex has somewhere to go
+  std::vector<int> moving;           ///< vertices that the step's iterations look at
+  std::vector<Vec3> moved_position;  ///< parallel to them: where an iteration takes them
   std::vector<double> renewed;       ///< rest lengths in the making
 
   /// See core/saved_state.h; for the fairing_state() of the same mesh.
@@ -43,8 +45,9 @@ void renew_fairing_state(const TriangleMesh& mesh, const VertexHistory& history,
 /// neighbour's direction in the tangent plane; so a mesh whose edges have their rest lengths stays as it is,
 /// however curved it is. Two kinds of vertices go towards the centroid of their neighbours instead: those
 /// whose projection failed, until it succeeds, and those of triangles that have folded over, which springs at
-/// their rest lengths would keep folded; their mobility does not count. Returns the largest residual of the
-/// last projection (see project_all), 0 without iterations.
+/// their rest lengths would keep folded; their mobility does not count. Vertices without mobility, which hold
+/// their places, cost nothing, unless one beside them moves and could fold their triangles. Returns the
+/// largest residual of what was projected last (see project_all), 0 where that is nothing.
 double fair(const Field& field, const VertexRings& rings, const FairingOptions& options,
             const ProjectionOptions& projection, double dt, TriangleMesh& mesh, FairingState& state);
 

@@ -102,7 +102,7 @@ TrackerStep SurfaceTracker::step(FieldMotion& motion) {
     report.residual_max = s.project(*field);
     const double residual = fair(*field, s.rings, s.options.fairing, s.options.projection,
                                  motion.t1() - motion.t0(), s.mesh, s.fairing);
-    if (s.options.fairing.iterations > 0) report.residual_max = residual;
+    report.residual_max = std::max(report.residual_max, residual);
   });
   --s.steps_to_lattice;
   if (++s.steps_unrepaired >= s.options.repair_interval) s.repair(*field, report);
