@@ -223,12 +223,15 @@ Vec3 sum_of_normals(std::span<const Vec3> gradient, const Triangle& triangle) {
   return -gradient[a].normalized() - gradient[b].normalized() - gradient[c].normalized();
 }
 
+bool normals_agree(const Vec3& sum_of_normals) {
+  return sum_of_normals.norm() > kAgreeing;
+}
+
 bool is_off_surface(const Field& field, std::span<const Vec3> position, std::span<const Vec3> gradient,
                     const Triangle& triangle, double limit) {
   const auto& [a, b, c] = triangle;
   const Vec3 normals = sum_of_normals(gradient, triangle);
-  if (normals.norm() > kAgreeing && !(facing(position[a], position[b], position[c], normals) > 0))
-    return true;
+  if (normals_agree(normals) && !(facing(position[a], position[b], position[c], normals) > 0)) return true;
   const Vec3 centroid = (position[a] + position[b] + position[c]) / 3;
   const ValueAndGradient at = field.value_and_gradient(centroid);
   if (std::abs(at.f) <= limit * at.g.norm()) return false;

@@ -20,6 +20,9 @@ std::vector<LatticeCell> cells_of(const SampledField& lattice, const TriangleMes
 /// The sum of the unit outward normals of f = 0 at a triangle's corners. gradient: of f at the vertices.
 Vec3 sum_of_normals(std::span<const Vec3> gradient, const Triangle& triangle);
 
+/// Whether the normals at a triangle's corners, by their sum, agree well enough to tell where it should face.
+bool normals_agree(const Vec3& sum_of_normals);
+
 /// Whether the triangle is not a piece of f = 0 within `limit` [m]: by |f|/|g| > limit at its centroid, or
 /// because it faces away from the field's normals at its corners, as their sum goes.
 bool is_off_surface(const Field& field, std::span<const Vec3> position, std::span<const Vec3> gradient,

@@ -65,17 +65,17 @@ bool exchange(const Replacement& found, int vertex_count, MeshEdits& edits, Repl
 
 }  // namespace
 
-std::size_t replace_regions(const ReplacementSetting& setting,
-                            const std::vector<std::vector<LatticeCell>>& regions, int growth,
-                            MeshEdits& edits, Replaced& replaced) {
+void replace_regions(const ReplacementSetting& setting, const std::vector<std::vector<LatticeCell>>& regions,
+                     int growth, MeshEdits& edits, Replaced& replaced) {
   std::vector<LatticeBlock> box;
   std::vector<int> pending;
   for (const std::vector<LatticeCell>& cells : regions) {
     pending.push_back(static_cast<int>(box.size()));
     box.push_back(box_around(cells, growth + kFirstReach));
+    std::erase_if(replaced.refused,
+                  [&](const LatticeBlock& before) { return meet(before, box_around(cells, 0)); });
   }
   VertexCells vertices(setting.lattice);
-  std::size_t refused = 0;
   while (!pending.empty()) {
     vertices.add(edits.mesh());
     const int vertex_count = static_cast<int>(edits.mesh().vertex_count());
@@ -95,10 +95,9 @@ std::size_t replace_regions(const ReplacementSetting& setting,
       if (found[i].is_sound && exchange(found[i], vertex_count, edits, replaced))
         changed.push_back(found[i].changed);
       else
-        ++refused;
+        replaced.refused.push_back(box_around(regions[round[i]], 0));
     }
   }
-  return refused;
 }
 
 }  // namespace kappaflow

@@ -72,8 +72,7 @@ Obstacles fill(const ReplacementSetting& setting, const MeshEdits& edits, const 
                Surroundings& near, Replacement& result) {
   place_vertices(patch, near.mesh, result);
   std::vector<Triangle> seams;
-  if (Obstacles found = sew(near, hole, patch.triangles, seams); !found.empty()) return found;
-  if (Obstacles found = seams_off_surface(setting, near, seams); !found.empty()) return found;
+  if (Obstacles found = sew(setting, near, hole, patch.triangles, seams); !found.empty()) return found;
   set_exchange(near, hole, patch.triangles, seams, edits.mesh().vertex_count(), result);
   Obstacles found;
   const auto add = [&](const Triangle& t) {

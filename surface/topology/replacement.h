@@ -17,7 +17,8 @@ struct ReplacementSetting {
   const SampledField& lattice;  ///< its values are not read
   double edge_length;           ///< of the mesh [m]
   double tolerance;             ///< of new vertices [m]
-  double off_surface;           ///< distance from f = 0 beyond which a new triangle is not wanted [m]
+  double off_surface;           ///< distance from f = 0 beyond which a triangle is not wanted [m]
+  double seam_off_surface;      ///< the same of a seam, which remeshing may still refine [m]
   bool may_be_finer;            ///< whether patches whose chords miss a rim or tip are made finer
 };
 

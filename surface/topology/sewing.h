@@ -1,4 +1,4 @@
-// Joins a patch with the rim of the hole that it is for. Private to this folder.
+// Joins a patch with the rim of the hole that it is for by seams. Private to this folder.
 #pragma once
 
 #include <vector>
@@ -7,14 +7,10 @@
 
 namespace kappaflow {
 
-/// Joins every loop of the patch with one of the hole by a strip of triangles, and fills those that are left.
-/// Pieces of the patch that would share a loop of the hole with a larger one are dropped.
-Obstacles sew(const Surroundings& near, const Hole& hole, std::vector<Triangle>& patch,
-              std::vector<Triangle>& seams);
-
-/// Where seams are off the surface.
-Obstacles seams_off_surface(const ReplacementSetting& setting, const Surroundings& near,
-                            std::span<const Triangle> seams);
+/// Fills each of the hole's loops around those of the patch that are in it. Obstacles are the seams that are
+/// off the surface, and loops that fit nowhere.
+Obstacles sew(const ReplacementSetting& setting, const Surroundings& near, const Hole& hole,
+              std::span<const Triangle> patch, std::vector<Triangle>& seams);
 
 /// Where a triangle of the patch or the seams passes through another or one that stays.
 Obstacles crossings(const Surroundings& near, const Hole& hole, std::span<const Triangle> patch,

@@ -14,6 +14,7 @@ namespace kappaflow {
 namespace {
 
 constexpr double kFarOff = 0.5, kOff = 0.18;  // distance of a triangle's centroid from f = 0, in edge lengths
+constexpr double kSeamOff = 0.3;              // the same of seams between frames
 constexpr double kDispute = 0.25;             // of a point of the lattice, in edge lengths
 constexpr double kThread = 0.01;              // length of an edge around a thread, in edge lengths
 constexpr int kCluster = 2;                   // cells of a region are in blocks of so many that touch
@@ -129,7 +130,7 @@ namespace {
 /// Where mesh and surface disagree, or the mesh passes through itself.
 std::vector<LatticeCell> disputed_cells(const ReplacementSetting& setting, Comparison comparison,
                                         const TriangleMesh& mesh) {
-  const auto& [field, lattice, edge_length, tolerance, off_surface, may_be_finer] = setting;
+  const auto& [field, lattice, edge_length, tolerance, off_surface, seam_off_surface, may_be_finer] = setting;
   std::vector<LatticeCell> cells;
   const bool quick = comparison == Comparison::quick;
   add_cells_off_surface(field, mesh, quick ? kFarOff * edge_length : off_surface, lattice, cells);
@@ -159,6 +160,7 @@ TopologyCounts TopologyChange::change(const Field& field, const TopologyOptions&
                                    edge_length,
                                    projection.tolerance * field.length_scale(),
                                    kOff * edge_length,
+                                   (comparison == Comparison::quick ? kSeamOff : kOff) * edge_length,
                                    comparison == Comparison::repeated};
   TopologyCounts counts;
   std::vector<LatticeCell> cells = disputed_cells(setting, comparison, mesh);
@@ -167,7 +169,7 @@ TopologyCounts TopologyChange::change(const Field& field, const TopologyOptions&
   Replaced replaced;
   for (int pass = 0; pass < kPasses && !cells.empty(); ++pass) {
     replaced.blocks.clear();
-    counts.refused = replace_regions(setting, regions_of(cells), kRegionGrowth + pass, edits_, replaced);
+    replace_regions(setting, regions_of(cells), kRegionGrowth + pass, edits_, replaced);
     edits_.drop_removed_triangles();
     cells.clear();
     add_cells_in_dispute(field, mesh, edge_length, lattice, fewest_rows(std::move(replaced.blocks), lattice),
@@ -175,6 +177,7 @@ TopologyCounts TopologyChange::change(const Field& field, const TopologyOptions&
   }
   edits_.finish();
   counts.replaced = replaced.regions;
+  counts.refused = replaced.refused.size();
   counts.triangles_removed = replaced.triangles_removed;
   if (counts.replaced > 0) count_vertices(edits_.history(), counts);
   return counts;

@@ -30,10 +30,9 @@ enum class Comparison {
 ///
 /// Where mesh and f = 0 disagree (see disagreement.h; or the mesh passes through itself) the triangles
 /// around are taken out, f = 0 is extracted there, what of it is nearer to the triangles left than a
-/// quarter of an edge is cut away, and the loops of both sides are joined by strips of triangles; a loop that
-/// finds no partner is filled. The result is taken if every new triangle is a piece of f = 0
-/// (is_off_surface()), passes through no other, and has three neighbours; else the region is widened where it
-/// was not, some times, and then counted as refused.
+/// quarter of an edge is cut away, and what is left between the loops of both sides is filled. The result is
+/// taken if every new triangle is a piece of f = 0 (is_off_surface()), passes through no other, and has three
+/// neighbours; else the region is widened where it was not, some times, and then counted as refused.
 ///
 /// Vertices outside keep place, id and what arrays hold of them; new ones have new ids and come, by the
 /// arrays' rules, from the nearest point of the triangles taken out, or from nowhere where there were none.

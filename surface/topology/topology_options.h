@@ -15,7 +15,7 @@ struct TopologyOptions {
 /// What one change of topology did.
 struct TopologyCounts {
   std::size_t replaced = 0;           ///< regions that were replaced
-  std::size_t refused = 0;            ///< regions where mesh and surface still disagree
+  std::size_t refused = 0;            ///< regions that were left as they were
   std::size_t triangles_removed = 0;  ///< in the former
   std::size_t vertices_born = 0;      ///< vertices that are new afterwards
   std::size_t vertices_lost = 0;      ///< vertices that are gone afterwards

@@ -1,6 +1,7 @@
 // The parts that a change of topology is made of: winding numbers, boundary loops, strips, local isosurfaces.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -13,6 +14,7 @@
 #include "surface/topology/disagreement.h"
 #include "surface/topology/lattice_guard.h"
 #include "surface/topology/loops.h"
+#include "surface/topology/region_replacement.h"
 #include "surface/topology/triangle_bins.h"
 #include "surface/topology/vertex_cells.h"
 #include "surface/topology/winding_numbers.h"
@@ -173,7 +175,8 @@ TEST(Strip, BetweenCirclesIsACylinderWhateverTheirStarts) {
     const std::vector<int> lower = circle(m, 1, 0, 0, position), upper = circle(n, 1, 0.4, start, position);
     std::vector<Vec3> gradient;
     for (const Vec3& x : position) gradient.emplace_back(-x[0], -x[1], 0);
-    const std::vector<Triangle> strip = strip_between(position, gradient, lower, upper);
+    const std::vector<int> polygon = bridged_polygon(position, gradient, lower, {{upper}});
+    const std::vector<Triangle> strip = fill_polygon(position, gradient, polygon, {});
     EXPECT_EQ(strip.size(), static_cast<std::size_t>(m + n));
     double area = 0;
     for (const auto& [a, b, c] : strip) {
@@ -196,7 +199,7 @@ TEST(Fill, OfACircleIsADisc) {
   std::vector<Vec3> position;
   const std::vector<int> loop = circle(17, 1, 0, 0.3, position);
   const std::vector<Vec3> gradient(position.size(), Vec3(0, 0, -1));
-  const std::vector<Triangle> disc = fill_loop(position, gradient, loop);
+  const std::vector<Triangle> disc = fill_polygon(position, gradient, loop, {});
   EXPECT_EQ(disc.size(), 15u);
   double area = 0;
   for (const auto& [a, b, c] : disc)
@@ -204,6 +207,93 @@ TEST(Fill, OfACircleIsADisc) {
   EXPECT_NEAR(area, 17 * 0.5 * std::sin(2 * std::numbers::pi / 17), 1e-12);
   ASSERT_EQ(boundary_of(disc).loops.size(), 1u);
   EXPECT_EQ(boundary_of(disc).loops[0], loop);
+}
+
+/// Sum of signed areas seen from above.
+double area_of(std::span<const Vec3> position, std::span<const Triangle> triangles) {
+  double area = 0;
+  for (const auto& [a, b, c] : triangles)
+    area += 0.5 * (position[b] - position[a]).cross(position[c] - position[a])[2];
+  return area;
+}
+
+/// Corners of a polygon, so many a unit of length.
+std::vector<int> outline(std::span<const Vec3> corners, int per_length, std::vector<Vec3>& position) {
+  std::vector<int> loop;
+  for (std::size_t c = 0; c < corners.size(); ++c) {
+    const Vec3 along = corners[(c + 1) % corners.size()] - corners[c];
+    const int n = static_cast<int>(std::lround(along.norm() * per_length));
+    for (int i = 0; i < n; ++i) {
+      loop.push_back(static_cast<int>(position.size()));
+      position.emplace_back(corners[c] + along * i / n);
+    }
+  }
+  return loop;
+}
+
+TEST(Fill, AroundTwoIslandsHoldsAllThreeLoops) {
+  std::vector<Vec3> position;
+  const Vec3 box[] = {{0, 0, 0}, {4, 0, 0}, {4, 2, 0}, {0, 2, 0}},
+             left[] = {{0.4, 0.5, 0}, {1.4, 0.5, 0}, {1.4, 1.5, 0}, {0.4, 1.5, 0}},
+             right[] = {{2.5, 0.5, 0}, {3.5, 0.5, 0}, {3.5, 1.5, 0}, {2.5, 1.5, 0}};
+  const std::vector<int> hole = outline(box, 3, position);
+  const std::vector<std::vector<int>> islands{outline(left, 4, position), outline(right, 5, position)};
+  const std::vector<Vec3> gradient(position.size(), Vec3(0, 0, -1));
+  const std::vector<Triangle> seam =
+      fill_polygon(position, gradient, bridged_polygon(position, gradient, hole, islands), {});
+  EXPECT_NEAR(area_of(position, seam), 8 - 1 - 1, 1e-12);
+  // Euler: V - E + F = -1 for a disc with two holes, and F triangles have (3 F + V) / 2 edges, all V at the
+  // rim.
+  EXPECT_EQ(seam.size(), position.size() + 2);
+  std::vector<Triangle> all = seam;
+  for (const std::vector<int>& island : islands)
+    for (const Triangle& t : fill_polygon(position, gradient, island, {})) all.push_back(t);
+  const Boundary boundary = boundary_of(all);  // the islands' loops run as those of the seam's other side
+  ASSERT_EQ(boundary.loops.size(), 1u);
+  EXPECT_EQ(boundary.loops[0], hole);
+  EXPECT_NEAR(area_of(position, all), 8, 1e-12);
+}
+
+TEST(Fill, ZipsASlotThatThePatchDoesNotReach) {
+  // A square with a slot three times as long as the square's gap is wide.
+  std::vector<Vec3> position;
+  const Vec3 keyhole[] = {{0, 0, 0},   {2, 0, 0},   {2, 0.9, 0}, {5, 0.9, 0},
+                          {5, 1.1, 0}, {2, 1.1, 0}, {2, 2, 0},   {0, 2, 0}},
+             patch[] = {{0.5, 0.5, 0}, {1.5, 0.5, 0}, {1.5, 1.5, 0}, {0.5, 1.5, 0}};
+  const std::vector<int> hole = outline(keyhole, 5, position);
+  const std::vector<std::vector<int>> inside{outline(patch, 5, position)};
+  const std::vector<Vec3> gradient(position.size(), Vec3(0, 0, -1));
+  const std::vector<int> polygon = bridged_polygon(position, gradient, hole, inside);
+  FillRules rules;
+  rules.longest_edge = 0.8;
+  const std::vector<Triangle> seam = fill_polygon(position, gradient, polygon, rules);
+  EXPECT_NEAR(area_of(position, seam), 4 + 0.6 - 1, 1e-12);
+  double longest = 0;
+  for (const auto& [a, b, c] : seam)
+    for (const auto& [u, v] : {std::pair(a, b), std::pair(b, c), std::pair(c, a)})
+      longest = std::max(longest, (position[u] - position[v]).norm());
+  EXPECT_LE(longest, 0.8);
+  rules.longest_edge = 0.3;  // the gap is 0.5
+  EXPECT_TRUE(fill_polygon(position, gradient, polygon, rules).empty());
+}
+
+TEST(Fill, TakesNeitherRefusedTrianglesNorTakenEdges) {
+  const std::vector<Vec3> position{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, gradient(4, Vec3(0, 0, -1));
+  const std::vector<int> square{0, 1, 2, 3};
+  const auto diagonal = [&](const FillRules& rules) {
+    const std::vector<Triangle> two = fill_polygon(position, gradient, square, rules);
+    EXPECT_EQ(two.size(), 2u);
+    const auto holds = [&](int v) {
+      return std::ranges::all_of(two, [&](const Triangle& t) { return std::ranges::count(t, v) == 1; });
+    };
+    return holds(0) && holds(2) ? std::pair(0, 2) : std::pair(1, 3);
+  };
+  EXPECT_EQ(diagonal({.taken_edges = {{0, 2}}, .refused = {}}), std::pair(1, 3));
+  EXPECT_EQ(diagonal({.taken_edges = {{1, 3}}, .refused = {}}), std::pair(0, 2));
+  EXPECT_EQ(diagonal({.taken_edges = {}, .refused = {{0, 1, 2}}}), std::pair(1, 3));
+  EXPECT_EQ(diagonal({.taken_edges = {}, .refused = {{0, 1, 3}}}), std::pair(0, 2));
+  EXPECT_TRUE(
+      fill_polygon(position, gradient, square, {.taken_edges = {{0, 2}, {1, 3}}, .refused = {}}).empty());
 }
 
 /// All of f = 0 in the block.
@@ -302,6 +392,36 @@ TEST(VertexCells, HoldThoseOfABlock) {
       EXPECT_TRUE(!inside || std::ranges::binary_search(found, v)) << v;
     }
   }
+}
+
+TEST(Regions, ThatAreRefusedCountUntilTheyAreTriedAgain) {
+  // A ball with a mesh and one without. No seam can be on the surface where no distance is allowed: what
+  // needs one is refused, and what does not, the ball without a mesh, is replaced.
+  const ParticleField one(testing::rotating_particles({Vec3(-2, 0, 0)}, 1.0, 0.0), 0.3, 0),
+      both(testing::rotating_particles({Vec3(-2, 0, 0), Vec3(0, 0, 0)}, 1.0, 0.0), 0.3, 0);
+  const double edge = 0.04, radius = std::sqrt(1 - std::cbrt(0.3));
+  TriangleMesh mesh = extract_isosurface(one, edge);
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+    mesh.gradient[v] = both.value_and_gradient(mesh.position[v]).g;
+  const std::size_t vertices = mesh.vertex_count();
+  const SampledField lattice = isosurface_lattice(both, edge);
+  const ReplacementSetting setting{both, lattice, edge, 1e-6, 0.18 * edge, -1, false};
+  const auto cell_at = [&](double x, double y) { return std::vector{cell_of(lattice, Vec3(x, y, 0.001))}; };
+  const auto above = cell_at(-2, radius), below = cell_at(-2, -radius), other = cell_at(0, radius);
+  MeshEdits edits;
+  edits.start(mesh);
+  Replaced replaced;
+  replace_regions(setting, {above, other}, 1, edits, replaced);
+  EXPECT_EQ(replaced.refused.size(), 1u);
+  EXPECT_EQ(replaced.regions, 1u);
+  replace_regions(setting, {below}, 1, edits, replaced);
+  EXPECT_EQ(replaced.refused.size(), 2u);
+  replace_regions(setting, {above}, 1, edits, replaced);
+  EXPECT_EQ(replaced.refused.size(), 2u) << "once more, and not twice";
+  edits.drop_removed_triangles();
+  edits.finish();
+  EXPECT_GT(mesh.vertex_count(), vertices + 100);
+  EXPECT_EQ(mesh_topology(mesh.position, mesh.triangles).components, 2);
 }
 
 TEST(IntersectingTriangles, AreThoseOfThePairs) {
