@@ -186,12 +186,14 @@ FluidStep FluidSolver::step(double time_left) {
   const ViscositySolve viscosity = s.viscosity.solve(s.particles, s.neighbours, s.wall_sums, dt);
   done.viscosity_iterations = viscosity.iterations;
   done.viscosity_error = viscosity.error;
-  if (thick) s.viscous_pressure.measure(s.particles, s.neighbours, s.wall_sums);
   done.seconds.viscosity = watch.lap();
   const PressureSolve density =
       s.pressure.correct_density(s.particles, s.neighbours, s.wall_sums, dt,
                                  thick ? s.particles.least_pressure : std::span<const float>());
-  if (thick) s.viscous_pressure.correct(s.particles);
+  if (thick) {
+    s.viscous_pressure.measure(s.particles, s.neighbours, s.wall_sums);
+    s.viscous_pressure.correct(s.particles);
+  }
   done.density_iterations = density.iterations;
   done.seconds.density = watch.lap();
   s.check_finite();

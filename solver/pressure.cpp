@@ -79,9 +79,8 @@ void start_from(const std::vector<float>& kappa, FluidParticles& particles, cons
 }
 
 /// D u and D v of one particle.
-std::array<float, 2> density_rates(std::size_t i, const FluidParticles& particles,
-                                   const NeighbourLists& lists, const std::vector<Vec4f>& u,
-                                   const std::vector<Vec4f>& v) {
+std::array<float, 2> both_rates(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists,
+                                const std::vector<Vec4f>& u, const std::vector<Vec4f>& v) {
   const Vec4f xi = particles.position[i];
   Wide sum_u = Wide::Zero(), sum_v = Wide::Zero();
   for (const PairBlock& block : lists.of(i)) {
@@ -97,8 +96,8 @@ std::array<float, 2> density_rates(std::size_t i, const FluidParticles& particle
   return {own(u[i]) - sum_u.sum(), own(v[i]) - sum_v.sum()};
 }
 
-/// Fills sources() with base(i) plus what the velocities and walls compress in a step, and finds the first
-/// rates, which come of the same loop over pairs.
+/// Fills sources() with base(i, D v, D a) plus what the velocities and walls compress in a step, and finds
+/// the first rates, D a, which come of the same loop over pairs.
 template <class Base>
 void find_sources(FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,
                   float time_step, const Base& base) {
@@ -107,9 +106,8 @@ void find_sources(FluidParticles& particles, const NeighbourLists& lists, const 
   source.resize(particles.size());
   iterate.resize(particles.size());
   parallel_for(particles.size(), [&](std::size_t i) {
-    const auto [rate, first] =
-        density_rates(i, particles, lists, particles.velocity, accelerations(particles));
-    source[i] = base(i) + time_step * (rate + walls.density_rate(i));
+    const auto [rate, first] = both_rates(i, particles, lists, particles.velocity, accelerations(particles));
+    source[i] = base(i, rate, first) + time_step * (rate + walls.density_rate(i));
     iterate[i][kFirstRate] = first;
   });
 }
@@ -175,7 +173,12 @@ PressureSolve PressureSolver::correct_density(FluidParticles& particles, const N
   start_from(particles.density_pressure, particles, lists);
   const auto& acceleration = accelerations(particles);
   parallel_for(n, [&](std::size_t i) { particles.velocity[i] -= time_step * acceleration[i]; });
-  find_sources(particles, lists, walls, time_step, [&](std::size_t i) { return particles.density[i] - 1; });
+  auto& rates = compression_rates(particles);
+  if (!least.empty()) rates.resize(n);
+  find_sources(particles, lists, walls, time_step, [&](std::size_t i, float rate, float of_pressure) {
+    if (!least.empty()) rates[i] = {rate + time_step * of_pressure, 0, 0, 0};
+    return particles.density[i] - 1;
+  });
   const PressureSolve done = solve(particles, lists, time_step, density_tolerance_, kMinIterations, least);
   accept(particles, time_step, particles.density_pressure);
   return done;
@@ -185,7 +188,7 @@ PressureSolve PressureSolver::correct_divergence(FluidParticles& particles, cons
                                                  const WallSums& walls, float time_step) {
   start_from(particles.divergence_pressure, particles, lists);
   find_sources(particles, lists, walls, time_step,
-               [&](std::size_t i) { return std::min(particles.density[i] - 1, 0.0f); });
+               [&](std::size_t i, float, float) { return std::min(particles.density[i] - 1, 0.0f); });
   const PressureSolve done =
       solve(particles, lists, time_step, divergence_tolerance_, kMinDivergenceIterations);
   accept(particles, time_step, particles.divergence_pressure);

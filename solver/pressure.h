@@ -54,7 +54,7 @@ class PressureSolver {
   /// Constant-density solve: rho/rho0 - 1 + dt D(v + dt a) <= 0, where v are the velocities without the
   /// pressure that apply_last() added. Replaces particles.velocity and density_pressure, which starts the
   /// iteration. time_step [s]. least: FluidParticles::least_pressure, which takes the place of the 0 that
-  /// bounds kappa, or empty.
+  /// bounds kappa, or empty; if there are any, it leaves compression_rates().
   PressureSolve correct_density(FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,
                                 float time_step, std::span<const float> least = {});
 
@@ -84,6 +84,12 @@ class PressureSolver {
 /// sum_j V (u_i - u_j) . grad W_ij + u_i . sum_b V_b grad W_ib.
 float density_rate(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists,
                    const std::vector<Vec4f>& u);
+
+/// What PressureSolver::correct_density() leaves: D v of the velocities that it was given, in the first
+/// component [1/s].
+inline std::vector<Vec4f>& compression_rates(FluidParticles& particles) {
+  return particles.scratch[2];
+}
 
 /// -D^T kappa: the accelerations a_i above [m/s2], with kappa_i in position[i].w. Zero for a particle that an
 /// emitter leads, as if its mass were infinite; the system stays symmetric.

@@ -36,10 +36,9 @@ bool is_loose(std::size_t i, const NeighbourLists& lists) {
   return true;
 }
 
-/// What measure() leaves for correct(): kBulk nu D v [m2/s2], and whether the particle may pull, 1 or 0. The
-/// density solve in between does not take this room.
+/// By particle: kBulk nu D v [m2/s2], and whether it may pull, 1 or 0. Before, D v itself.
 std::vector<Vec4f>& noted(FluidParticles& particles) {
-  return particles.scratch[2];
+  return compression_rates(particles);
 }
 
 }  // namespace
@@ -82,11 +81,10 @@ void ViscousPressure::spread(FluidParticles& particles, const NeighbourLists& li
 void ViscousPressure::measure(FluidParticles& particles, const NeighbourLists& lists,
                               const WallSums& walls) const {
   auto& notes = noted(particles);
-  notes.resize(particles.size());
   parallel_for(particles.size(), [&](std::size_t i) {
     const float resistance = resistance_[particles.fluid[i]];
     const bool free = resistance > 0 && particles.led_by[i] == 0 && !walls.touches(i);
-    const float correction = free ? resistance * density_rate(i, particles, lists, particles.velocity) : 0;
+    const float correction = free ? resistance * notes[i][0] : 0;
     notes[i] = {correction, free ? 1.0f : 0.0f, 0, 0};
   });
   // Thin liquid gives way at once: beside it, compression says nothing of the pressure in the thick one.

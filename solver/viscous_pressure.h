@@ -43,8 +43,8 @@ class ViscousPressure {
   /// with t the negative of the least kappa (Monaghan, "SPH without a tensile instability", 2000).
   void spread(FluidParticles& particles, const NeighbourLists& lists, float time_step) const;
 
-  /// Notes kBulk nu D v, and which particles may pull. Precondition: the velocities are those that the
-  /// viscous solve has left.
+  /// Notes kBulk nu D v, and which particles may pull. Precondition: compression_rates() are those of the
+  /// velocities that the viscous solve has left.
   void measure(FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls) const;
 
   /// density_pressure and least_pressure of the density solve -> those of the next step.
