@@ -41,7 +41,7 @@ class Tracker:
                  next: Mapping[str, Any] | None = None,
                  methods: VelocityMethod | Sequence[VelocityMethod] | None = None, sigma: float | None = None,
                  threshold: float | None = None, weights: str = "uniform", edge_length: float = 0.5, remesh: bool = True,
-                 topology: bool = True, motion_per_step: float = 0.25, damping: float = 0.1, speed_limit: float = 1) -> None:
+                 topology: bool = True, motion_per_step: float = 0.5, damping: float = 0.1, speed_limit: float = 1) -> None:
         self._is_cloud = velocities is None
         self._new_ids = 0
         self._methods = all_as_core(methods)  # kept here: the handle does not

@@ -32,7 +32,7 @@ struct SurfaceOptions {
   bool is_cloud = false;
   /// The fast particles move by this at most in one step, in units of sigma; infinite: the caller's instants
   /// are the steps.
-  double motion_per_step = 0.25;
+  double motion_per_step = 0.5;
   /// One surface for each, all from the same first mesh; empty: evaluate_material, or evaluate_regional for a
   /// point cloud.
   std::vector<VelocityFunction> velocities{};
