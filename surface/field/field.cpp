@@ -14,7 +14,8 @@ void Field::sample(SampledField& samples) const {
         const std::size_t j = row % ny, k = row / ny;
         for (std::size_t i = 0; i < nx; ++i) {
           const Vec3 x =
-              samples.origin + samples.spacing * Vec3(static_cast<double>(i), static_cast<double>(j),
+              samples.origin + samples.spacing * Vec3(samples.first_column + static_cast<double>(i),
+                                                      samples.first_row + static_cast<double>(j),
                                                       samples.first_plane + static_cast<double>(k));
           samples.value[row * nx + i] = static_cast<float>(value_and_gradient(x).f);
         }

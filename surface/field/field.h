@@ -2,6 +2,7 @@
 // else.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -17,14 +18,17 @@ struct Bounds {
   bool empty() const { return (lower.array() > upper.array()).any(); }
 };
 
-/// Values of f on planes of a regular lattice: point (i, j, k) is origin + spacing (i, j, first_plane + k),
-/// index x-fastest. A plane's values do not depend on which others are sampled with it.
+/// Values of f on a block of a regular lattice: point (i, j, k) is origin + spacing (first_column + i,
+/// first_row
+/// + j, first_plane + k), index x-fastest. A point's value does not depend on which others are sampled with
+/// it.
 struct SampledField {
   Vec3 origin = Vec3::Zero();
   double spacing = 0;
   int first_plane = 0;
   std::array<int, 3> dims{0, 0, 0};
   std::vector<float> value;
+  int first_column = 0, first_row = 0;
 };
 
 /// An implicit surface f(x) = 0 at one instant, f > 0 inside. Const methods may be called from many threads.
@@ -55,6 +59,13 @@ class Field {
 
   /// Whether the material carries f, Df/Dt = 0, so that material_velocity() meets Eq. 4 by itself.
   virtual bool moves_with_material() const { return false; }
+
+  /// The cubes of a lattice, so many cells wide and numbered from its origin, at whose points alone f may be
+  /// positive; ascending by z, y, x. nullopt where the field cannot tell.
+  virtual std::optional<std::vector<std::array<int, 3>>> occupied_cubes(const SampledField& /*lattice*/,
+                                                                        int /*cells*/) const {
+    return std::nullopt;
+  }
 
   /// Fills `samples.value` from its lattice. The default evaluates f point by point, in parallel.
   virtual void sample(SampledField& samples) const;

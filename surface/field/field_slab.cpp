@@ -21,6 +21,8 @@ struct IndexRange {
 
 FieldSlab::FieldSlab(const SampledField& samples, int s)
     : dims_(samples.dims),
+      first_column_(samples.first_column),
+      first_row_(samples.first_row),
       offset_(s * kPlanes),
       first_(samples.first_plane + offset_),
       last_(samples.first_plane + std::min(offset_ + kPlanes, dims_[2]) - 1),
@@ -28,8 +30,9 @@ FieldSlab::FieldSlab(const SampledField& samples, int s)
       sums_(stride_ * dims_[1] * (last_ - first_ + 1), 0.0) {}
 
 void FieldSlab::add(const Vec3& centre, double sigma, double weight) {
-  const IndexRange planes(centre[2], sigma, first_, last_), rows(centre[1], sigma, 0, dims_[1] - 1),
-      columns(centre[0], sigma, 0, dims_[0] - 1);
+  const IndexRange planes(centre[2], sigma, first_, last_),
+      rows(centre[1], sigma, first_row_, first_row_ + dims_[1] - 1),
+      columns(centre[0], sigma, first_column_, first_column_ + dims_[0] - 1);
   const double inverse_sigma2 = 1 / (sigma * sigma);
   dx2_.clear();
   for (int i = columns.first; i <= columns.last; i += kRowLanes)
@@ -39,7 +42,7 @@ void FieldSlab::add(const Vec3& centre, double sigma, double weight) {
     for (int j = rows.first; j <= rows.last; ++j) {
       const double dy = j - centre[1], dz = k - centre[2], u_yz = 1 - (dy * dy + dz * dz) * inverse_sigma2;
       if (u_yz <= 0) continue;
-      double* sums = row(j, k) + columns.first;
+      double* sums = row(j, k) + (columns.first - first_column_);
       for (std::size_t b = 0; b < blocks; ++b, sums += kRowLanes) {
         const RowLanes u = (u_yz - dx2_[b]).max(0.0);
         Eigen::Map<RowLanes>(sums) += weight * u * u * u;

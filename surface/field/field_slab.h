@@ -37,13 +37,14 @@ class FieldSlab {
   static constexpr int kRowLanes = 4;
 
   double* row(int j, int k) {
-    return sums_.data() + (static_cast<std::size_t>(k - first_) * dims_[1] + j) * stride_;
+    return sums_.data() + (static_cast<std::size_t>(k - first_) * dims_[1] + (j - first_row_)) * stride_;
   }
 
   std::array<int, 3> dims_;
-  int offset_;          // of the slab in the samples
-  int first_, last_;    // planes of the lattice
-  std::size_t stride_;  // a row may be written up to kRowLanes - 1 points past its end
+  int first_column_, first_row_;  // of the lattice
+  int offset_;                    // of the slab in the samples
+  int first_, last_;              // planes of the lattice
+  std::size_t stride_;            // a row may be written up to kRowLanes - 1 points past its end
   std::vector<double> sums_;
   std::vector<RowLanes> dx2_;  // (dx/sigma)^2 of the columns in reach, kept between particles
 };

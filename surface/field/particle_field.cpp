@@ -9,6 +9,8 @@
 #include <cmath>
 
 #include "core/errors.h"
+#include "core/sort_unique.h"
+#include "core/whole_within.h"
 #include "surface/field/field_slab.h"
 #include "surface/field/jet_sums.h"
 #include "surface/field/strain_sums.h"
@@ -206,12 +208,34 @@ std::optional<Vec3> ParticleField::material_velocity(const Vec3& x) const {
   return Vec3(moment.ldlt().solve(rhs).row(0).transpose());
 }
 
+std::optional<std::vector<std::array<int, 3>>> ParticleField::occupied_cubes(const SampledField& lattice,
+                                                                             int cells) const {
+  std::vector<std::array<int, 3>> cubes;  // z, y, x
+  const double size = cells * lattice.spacing;
+  for (std::size_t p = 0; p < x_.size(); ++p) {
+    const Vec3 centre = Vec3(x_[p], y_[p], z_[p]) - lattice.origin;
+    const auto index = [&](int a, double side) {
+      const int last = std::max(0, lattice.dims[a] - 2) / cells;
+      return whole_within(std::floor((centre[a] + side * source_[p].sigma) / size), 0, last);
+    };
+    for (int k = index(2, -1); k <= index(2, 1); ++k)
+      for (int j = index(1, -1); j <= index(1, 1); ++j)
+        for (int i = index(0, -1); i <= index(0, 1); ++i)
+          if (const std::array cube{k, j, i}; cubes.empty() || cubes.back() != cube) cubes.push_back(cube);
+  }
+  sort_unique(cubes);
+  for (std::array<int, 3>& cube : cubes) std::swap(cube[0], cube[2]);
+  return cubes;
+}
+
 void ParticleField::sample(SampledField& samples) const {
   const auto& dims = samples.dims;
   samples.value.resize(static_cast<std::size_t>(dims[0]) * dims[1] * dims[2]);
   const double inverse_spacing = 1 / samples.spacing;
   const Vec3 half = 0.5 * samples.spacing * Vec3(dims[0] - 1, dims[1] - 1, dims[2] - 1),
-             middle = samples.origin + Vec3(0, 0, samples.spacing * samples.first_plane) + half;
+             middle = samples.origin +
+                      samples.spacing * Vec3(samples.first_column, samples.first_row, samples.first_plane) +
+                      half;
   const double reach = half.maxCoeff() + largest_sigma_;
   const auto fill_slab = [&](std::size_t s) {
     FieldSlab slab(samples, static_cast<int>(s));

@@ -45,6 +45,8 @@ class ParticleField final : public Field {
   /// x)/sigma), with a ridge of 0.001 times the sum of the kernel on the three gradient terms. nullopt where
   /// nothing is in reach, and everywhere where no velocity is known.
   std::optional<Vec3> material_velocity(const Vec3& x) const override;
+  std::optional<std::vector<std::array<int, 3>>> occupied_cubes(const SampledField& lattice,
+                                                                int cells) const override;
   /// Scatters the particles over the lattice, see field_slab.h.
   void sample(SampledField& samples) const override;
 

@@ -19,12 +19,14 @@
 
 #include "core/errors.h"
 #include "core/parallel.h"
+#include "surface/mesh/block_isosurface.h"
+#include "surface/mesh/lattice_blocks.h"
 #include "surface/mesh/lattice_edges.h"
 
 namespace kappaflow {
 namespace {
 
-constexpr double kMostPoints = 2147483648.0;  // 2^31: more is a mistake in the spacing
+constexpr double kMostAlongAxis = 536870912.0;  // 2^29 along an axis: differences of indices are int
 
 /// Runs the extractor in lattice units: its vertices are float, and so keep seven digits of a lattice's
 /// extent.
@@ -54,6 +56,11 @@ void for_each_triangle(vtkPolyData& surface, const Visit& visit) {
     cells->GetCurrentCell(corners, v);
     visit({static_cast<int>(v[0]), static_cast<int>(v[1]), static_cast<int>(v[2])});
   }
+}
+
+bool is_whole(const SampledField& lattice, std::span<const LatticeBlock> blocks) {
+  return blocks.size() == 1 && blocks[0].first == whole(lattice).first &&
+         blocks[0].last == whole(lattice).last;
 }
 
 /// Sews the surfaces of slabs together that follow one another and share a plane.
@@ -99,10 +106,11 @@ SampledField isosurface_lattice(const Field& field, double spacing) {
   if (bounds.empty()) return samples;
   samples.origin = bounds.lower - Vec3::Constant(spacing);
   const Vec3 points = ((bounds.upper - bounds.lower) / spacing).array().ceil() + 3;
-  if (!(points.prod() <= kMostPoints))
+  if (!(points.maxCoeff() <= kMostAlongAxis))
     throw InvalidInput(
-        fmt::format("an isosurface at spacing {} m needs {:.3g} lattice points; at most 2^31 are allowed",
-                    spacing, points.prod()));
+        fmt::format("an isosurface at spacing {} m needs {:.3g} lattice points along an axis; at most "
+                    "2^29 are allowed",
+                    spacing, points.maxCoeff()));
   for (int a = 0; a < 3; ++a) samples.dims[a] = static_cast<int>(points[a]);
   return samples;
 }
@@ -110,9 +118,18 @@ SampledField isosurface_lattice(const Field& field, double spacing) {
 TriangleMesh extract_isosurface(const Field& field, double spacing, std::size_t points_at_once) {
   if (!(spacing > 0) || !std::isfinite(spacing))
     throw InvalidInput(fmt::format("the spacing of an isosurface is {} m; it must be positive", spacing));
-  return extract_isosurface(
-      isosurface_lattice(field, spacing), [&](SampledField& samples) { field.sample(samples); },
-      points_at_once);
+  const SampledField lattice = isosurface_lattice(field, spacing);
+  if (lattice.dims[2] == 0) return {};
+  const auto sample = [&](SampledField& samples) { field.sample(samples); };
+  const std::vector<LatticeBlock> blocks = occupied_blocks(field, lattice);
+  if (is_whole(lattice, blocks)) return extract_isosurface(lattice, sample, points_at_once);
+  return isosurface_in_blocks(lattice, blocks, sample);
+}
+
+TriangleMesh extract_isosurface(const SampledField& lattice, std::span<const LatticeBlock> blocks,
+                                const std::function<void(SampledField&)>& sample) {
+  if (is_whole(lattice, blocks)) return extract_isosurface(lattice, sample);
+  return isosurface_in_blocks(lattice, blocks, sample);
 }
 
 TriangleMesh extract_isosurface(const SampledField& lattice, const std::function<void(SampledField&)>& sample,

@@ -1,5 +1,7 @@
 #include "surface/mesh/lattice_edges.h"
 
+#include <vtkMarchingCubesTriangleCases.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,6 +17,10 @@ namespace {
 // seven digits.
 constexpr float kSmallestSample = 1e-6f;
 constexpr int kFalsePositions = 40;  // evaluations on an edge at most
+
+/// Of a cell, as the tables of marching cubes number them.
+constexpr std::array<LatticePoint, 8> kCorners{
+    {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}}};
 
 bool is_exact(const ValueAndGradient& at, double tolerance) {
   return std::abs(at.f) <= tolerance * at.g.norm();
@@ -57,6 +63,14 @@ LatticeVertex false_position_on_edge(const Field& field, const Vec3& from, const
 }
 
 }  // namespace
+
+const int* triangles_of_cell(const SampledField& samples, const LatticePoint& cell) {
+  static const vtkMarchingCubesTriangleCases* const cases = vtkMarchingCubesTriangleCases::GetCases();
+  int number = 0;
+  for (int c = 0; c < 8; ++c)
+    number |= (samples.value[point_index(samples, moved(cell, kCorners[c]))] > 0) << c;
+  return cases[number].edges;
+}
 
 LatticeVertex find_on_edge(const Field& field, const Vec3& x, const Vec3& from, const Vec3& to,
                            double tolerance) {

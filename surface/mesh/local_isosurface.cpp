@@ -1,7 +1,5 @@
 #include "surface/mesh/local_isosurface.h"
 
-#include <vtkMarchingCubesTriangleCases.h>
-
 #include <array>
 #include <utility>
 
@@ -10,35 +8,6 @@
 
 namespace kappaflow {
 namespace {
-
-using LatticePoint = std::array<int, 3>;
-
-/// An edge of a lattice: where it starts, and the axis along which it goes on.
-struct LatticeEdge {
-  LatticePoint from;
-  int axis;
-};
-
-// As the table numbers them.
-constexpr std::array<LatticePoint, 8> kCorners{
-    {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}}};
-constexpr std::array<LatticeEdge, 12> kEdges{{{{0, 0, 0}, 0},
-                                              {{1, 0, 0}, 1},
-                                              {{0, 1, 0}, 0},
-                                              {{0, 0, 0}, 1},
-                                              {{0, 0, 1}, 0},
-                                              {{1, 0, 1}, 1},
-                                              {{0, 1, 1}, 0},
-                                              {{0, 0, 1}, 1},
-                                              {{0, 0, 0}, 2},
-                                              {{1, 0, 0}, 2},
-                                              {{0, 1, 0}, 2},
-                                              {{1, 1, 0}, 2}}};
-
-LatticePoint moved(LatticePoint at, const LatticePoint& by) {
-  for (int a = 0; a < 3; ++a) at[a] += by[a];
-  return at;
-}
 
 /// Marching cubes that follows the surface from cell to cell, those of equal distance from the seeds at once.
 class LocalExtraction {
@@ -58,8 +27,7 @@ class LocalExtraction {
     char& visited = visited_[index(cell)];
     if (visited) return;
     visited = 1;
-    const int number = case_of(cell);
-    if (number != 0 && number != 255) front_.push_back(cell);
+    if (*triangles_of_cell(samples_, cell) >= 0) front_.push_back(cell);
   }
 
   LocalIsosurface march() {
@@ -74,24 +42,17 @@ class LocalExtraction {
   }
 
  private:
-  std::size_t index(const LatticePoint& p) const {
-    return (static_cast<std::size_t>(p[2]) * samples_.dims[1] + p[1]) * samples_.dims[0] + p[0];
-  }
+  std::size_t index(const LatticePoint& p) const { return point_index(samples_, p); }
   Vec3 place(const LatticePoint& p) const {
     return samples_.origin + samples_.spacing * Vec3(p[0], p[1], p[2] + samples_.first_plane);
   }
-  int case_of(const LatticePoint& cell) const {
-    int number = 0;
-    for (int c = 0; c < 8; ++c) number |= (samples_.value[index(moved(cell, kCorners[c]))] > 0) << c;
-    return number;
-  }
   int& vertex_on(const LatticePoint& cell, int edge) {
-    return vertex_[3 * index(moved(cell, kEdges[edge].from)) + kEdges[edge].axis];
+    return vertex_[3 * index(moved(cell, kCellEdges[edge].from)) + kCellEdges[edge].axis];
   }
   /// Calls visit(edges) for every triangle of the cell; edges: of the cell, three of them.
   template <class Visit>
   void for_each_triangle(const LatticePoint& cell, const Visit& visit) const {
-    for (const int* edge = cases_[case_of(cell)].edges; *edge >= 0; edge += 3) visit(edge);
+    for (const int* edge = triangles_of_cell(samples_, cell); *edge >= 0; edge += 3) visit(edge);
   }
 
   void number_vertices(const std::vector<LatticePoint>& cells) {
@@ -101,7 +62,7 @@ class LocalExtraction {
           int& vertex = vertex_on(cell, edges[c]);
           if (vertex >= 0) continue;
           vertex = static_cast<int>(edge_.size());
-          edge_.push_back({moved(cell, kEdges[edges[c]].from), kEdges[edges[c]].axis});
+          edge_.push_back({moved(cell, kCellEdges[edges[c]].from), kCellEdges[edges[c]].axis});
         }
       });
   }
@@ -144,7 +105,7 @@ class LocalExtraction {
     for_each_triangle(cell, [&](const int* edges) {
       for (int c = 0; c < 3; ++c) {
         if (ended_[vertex_on(cell, edges[c])]) continue;
-        const auto& [from, axis] = kEdges[edges[c]];
+        const auto& [from, axis] = kCellEdges[edges[c]];
         const int b = (axis + 1) % 3, d = (axis + 2) % 3;
         LatticePoint next = moved(cell, from);
         next[axis] = cell[axis];
@@ -163,7 +124,6 @@ class LocalExtraction {
   const SampledField& samples_;
   double tolerance_;
   const EndsAt& ends_at_;
-  const vtkMarchingCubesTriangleCases* cases_ = vtkMarchingCubesTriangleCases::GetCases();
   std::vector<int> vertex_;  // on the three edges that start at each point; -1: none yet
   std::vector<char> visited_;
   std::vector<LatticePoint> front_;

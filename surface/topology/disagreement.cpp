@@ -85,7 +85,8 @@ void deform(const std::array<int, 3>& dims, std::vector<LatticeCell>& points,
 template <class Visit>
 void for_each_point_near(const std::array<Vec3, 3>& corner, double reach, const SampledField& samples,
                          const Visit& visit) {
-  const Vec3 origin = samples.origin + Vec3(0, 0, samples.spacing * samples.first_plane);
+  const Vec3 origin =
+      samples.origin + samples.spacing * Vec3(samples.first_column, samples.first_row, samples.first_plane);
   const Vec3 least = corner[0].cwiseMin(corner[1]).cwiseMin(corner[2]),
              most = corner[0].cwiseMax(corner[1]).cwiseMax(corner[2]);
   LatticeCell first{}, last{}, at{};
@@ -137,8 +138,8 @@ DisputedPoints disputed_in_plane(const SampledField& samples, std::span<const st
 
 /// Moves the points further than `limit` from every triangle of the mesh from `near` to `certain`: the mesh
 /// has left a tip or a slit out that is thinner than f/|g| tells.
-void move_far_from_mesh(const TriangleMesh& mesh, double limit, const SampledField& samples,
-                        DisputedPoints& disputed) {
+void move_far_from_mesh(std::span<const Vec3> position, std::span<const Triangle> triangles, double limit,
+                        const SampledField& samples, DisputedPoints& disputed) {
   enum Mark : char { other, asked, found };
   std::vector<char> mark(static_cast<std::size_t>(samples.dims[0]) * samples.dims[1] * samples.dims[2],
                          other);
@@ -146,9 +147,9 @@ void move_far_from_mesh(const TriangleMesh& mesh, double limit, const SampledFie
     return mark[at[0] + samples.dims[0] * (at[1] + static_cast<std::size_t>(samples.dims[1]) * at[2])];
   };
   for (const LatticeCell& at : disputed.near) mark_of(at) = asked;
-  parallel_for(mesh.triangles.size(), [&](std::size_t t) {
-    const auto& [a, b, c] = mesh.triangles[t];
-    const std::array<Vec3, 3> corner{mesh.position[a], mesh.position[b], mesh.position[c]};
+  parallel_for(triangles.size(), [&](std::size_t t) {
+    const auto& [a, b, c] = triangles[t];
+    const std::array<Vec3, 3> corner{position[a], position[b], position[c]};
     for_each_point_near(corner, limit, samples, [&](const LatticeCell& at, const Vec3& x) {
       const std::atomic_ref<char> state(mark_of(at));
       if (state.load(std::memory_order_relaxed) != asked) return;
@@ -162,30 +163,12 @@ void move_far_from_mesh(const TriangleMesh& mesh, double limit, const SampledFie
   disputed.near.erase(far, disputed.near.end());
 }
 
-/// The mesh's winding numbers at the samples' points, whose first column is `column` of the lattice's:
-/// crossings are counted from the beginning of its rows.
-std::vector<std::int8_t> winding_at(const SampledField& samples, int column, const TriangleMesh& mesh) {
-  SampledField rows;
-  rows.origin = samples.origin - Vec3(column * samples.spacing, 0, 0);
-  rows.spacing = samples.spacing;
-  rows.first_plane = samples.first_plane;
-  rows.dims = samples.dims;
-  rows.dims[0] += column;
-  std::vector<std::int8_t> winding = winding_numbers(mesh.position, mesh.triangles, rows);
-  if (column == 0) return winding;
-  auto to = winding.begin();
-  for (auto row = winding.begin(); row != winding.end(); row += rows.dims[0])
-    to = std::copy(row + column, row + rows.dims[0], to);
-  winding.erase(to, winding.end());
-  return winding;
-}
-
-/// The points in dispute of some planes of the lattice, by their numbers in these; fills the samples, whose
-/// first column is `column` of the lattice's.
-std::vector<LatticeCell> points_in_dispute(const Field& field, const TriangleMesh& mesh, double limit,
-                                           int column, SampledField& samples) {
+/// The points in dispute of a part of the lattice, by their numbers in it; fills the samples.
+std::vector<LatticeCell> points_in_dispute(const Field& field, std::span<const Vec3> position,
+                                           std::span<const Triangle> triangles, double limit,
+                                           SampledField& samples) {
   field.sample(samples);
-  std::vector<std::int8_t> winding = winding_at(samples, column, mesh);
+  std::vector<std::int8_t> winding = winding_numbers(position, triangles, samples);
   std::vector<DisputedPoints> in_plane(samples.dims[2]);
   parallel_for(
       in_plane.size(),
@@ -193,7 +176,7 @@ std::vector<LatticeCell> points_in_dispute(const Field& field, const TriangleMes
       1);
   DisputedPoints disputed;
   for (const DisputedPoints& plane : in_plane) disputed.add(plane);
-  move_far_from_mesh(mesh, limit, samples, disputed);
+  move_far_from_mesh(position, triangles, limit, samples, disputed);
   deform(samples.dims, disputed.near, winding);
   disputed.certain.insert(disputed.certain.end(), disputed.near.begin(), disputed.near.end());
   return disputed.certain;
@@ -255,7 +238,8 @@ std::vector<int> triangles_off_surface(const Field& field, const TriangleMesh& m
   return found;
 }
 
-std::vector<LatticeCell> cells_in_dispute(const Field& field, const TriangleMesh& mesh, double limit,
+std::vector<LatticeCell> cells_in_dispute(const Field& field, std::span<const Vec3> position,
+                                          std::span<const Triangle> triangles, double limit,
                                           const SampledField& lattice, const LatticeBlock& block) {
   LatticeBlock wanted = block;
   for (int a = 0; a < 3; ++a) {
@@ -267,21 +251,22 @@ std::vector<LatticeCell> cells_in_dispute(const Field& field, const TriangleMesh
   const auto count = [&](int a) {
     return std::min(wanted.last[a] + kOverlap, lattice.dims[a] - 1) - begin(a) + 1;
   };
-  const int first_column = begin(0), first_row = begin(1), planes = wanted.last[2] - wanted.first[2] + 1;
-  const std::size_t plane = static_cast<std::size_t>(lattice.dims[0]) * count(1);
+  const int planes = wanted.last[2] - wanted.first[2] + 1;
+  const std::size_t plane = static_cast<std::size_t>(count(0)) * count(1);
   const int at_once =
       std::min(planes + 2 * kOverlap, std::max(4 * kOverlap, static_cast<int>(kPointsAtOnce / plane)));
   std::vector<LatticeCell> cells;
   for (int first = wanted.first[2]; first <= wanted.last[2]; first += at_once - 2 * kOverlap) {
     const int last = std::min(first + at_once - 2 * kOverlap - 1, wanted.last[2]);
     SampledField slab = lattice;
-    slab.origin += lattice.spacing * Vec3(first_column, first_row, 0);
+    slab.first_column = begin(0);
+    slab.first_row = begin(1);
     slab.dims = {count(0), count(1), 0};
     slab.first_plane = std::max(first - kOverlap, 0);
     slab.dims[2] = std::min(last + kOverlap, lattice.dims[2] - 1) - slab.first_plane + 1;
-    for (LatticeCell cell : points_in_dispute(field, mesh, limit, first_column, slab)) {
-      cell[0] += first_column;
-      cell[1] += first_row;
+    for (LatticeCell cell : points_in_dispute(field, position, triangles, limit, slab)) {
+      cell[0] += slab.first_column;
+      cell[1] += slab.first_row;
       cell[2] += slab.first_plane;
       if (cell[0] >= wanted.first[0] && cell[0] <= wanted.last[0] && cell[1] >= wanted.first[1] &&
           cell[1] <= wanted.last[1] && cell[2] >= first && cell[2] <= last)

@@ -5,7 +5,7 @@
 
 #include "core/parallel.h"
 #include "core/sort_unique.h"
-#include "surface/mesh/isosurface.h"
+#include "surface/mesh/lattice_blocks.h"
 #include "surface/mesh/self_intersection.h"
 #include "surface/topology/disagreement.h"
 #include "surface/topology/region_replacement.h"
@@ -16,6 +16,7 @@ namespace {
 constexpr double kFarOff = 0.5, kOff = 0.18;  // distance of a triangle's centroid from f = 0, in edge lengths
 constexpr double kSeamOff = 0.3;              // the same of seams between frames
 constexpr double kDispute = 0.25;             // of a point of the lattice, in edge lengths
+constexpr double kBlockOverlap = 4;           // [cells] what cells_in_dispute() looks at around a block
 constexpr double kThread = 0.01;              // length of an edge around a thread, in edge lengths
 constexpr int kCluster = 2;                   // cells of a region are in blocks of so many that touch
 constexpr int kRegionGrowth = 1;              // of a region [cells], one more in each pass
@@ -87,31 +88,34 @@ void add_cells_at_threads(const TriangleMesh& mesh, double shortest, const Sampl
 void add_cells_in_dispute(const Field& field, const TriangleMesh& mesh, double edge_length,
                           const SampledField& lattice, std::span<const LatticeBlock> blocks,
                           std::vector<LatticeCell>& cells) {
+  const double limit = kDispute * edge_length, reach = kBlockOverlap + limit / lattice.spacing;
+  const auto near = triangles_in_rows(lattice, mesh.position, mesh.triangles, blocks, reach);
   std::vector<std::vector<LatticeCell>> disputed(blocks.size());
   parallel_for(
       blocks.size(),
       [&](std::size_t b) {
-        disputed[b] = cells_in_dispute(field, mesh, kDispute * edge_length, lattice, blocks[b]);
+        disputed[b] = cells_in_dispute(field, mesh.position, near[b], limit, lattice, blocks[b]);
       },
       1);
   for (const std::vector<LatticeCell>& of_block : disputed)
     cells.insert(cells.end(), of_block.begin(), of_block.end());
 }
 
-/// All of the lattice's cells.
-LatticeBlock whole(const SampledField& lattice) {
-  return {{0, 0, 0}, {lattice.dims[0] - 1, lattice.dims[1] - 1, lattice.dims[2] - 1}};
+/// Where there is surface or mesh.
+std::vector<LatticeBlock> everywhere(const Field& field, const TriangleMesh& mesh,
+                                     const SampledField& lattice) {
+  return occupied_blocks(field, lattice, cubes_of(lattice, mesh.position, mesh.triangles));
 }
 
-/// The blocks, or the whole lattice where that has fewer rows.
-std::vector<LatticeBlock> fewest_rows(std::vector<LatticeBlock> blocks, const SampledField& lattice) {
-  const auto rows = [](const LatticeBlock& b) {
-    return (b.last[1] - b.first[1] + 1.0) * (b.last[2] - b.first[2] + 1.0);
+/// Those with fewer rows.
+std::vector<LatticeBlock> fewer_rows(std::vector<LatticeBlock> some, std::vector<LatticeBlock> others) {
+  const auto rows = [](std::span<const LatticeBlock> blocks) {
+    double sum = 0;
+    for (const LatticeBlock& b : blocks)
+      sum += (b.last[1] - b.first[1] + 1.0) * (b.last[2] - b.first[2] + 1.0);
+    return sum;
   };
-  double sum = 0;
-  for (const LatticeBlock& b : blocks) sum += rows(b);
-  if (sum < rows(whole(lattice))) return blocks;
-  return {whole(lattice)};
+  return rows(some) < rows(others) ? some : others;
 }
 
 }  // namespace
@@ -138,7 +142,7 @@ std::vector<LatticeCell> disputed_cells(const ReplacementSetting& setting, Compa
   std::ranges::copy(cells_of(lattice, mesh, intersecting_triangles(mesh.position, mesh.triangles)),
                     std::back_inserter(cells));
   add_cells_at_threads(mesh, kThread * edge_length, lattice, cells);
-  add_cells_in_dispute(field, mesh, edge_length, lattice, std::array{whole(lattice)}, cells);
+  add_cells_in_dispute(field, mesh, edge_length, lattice, everywhere(field, mesh, lattice), cells);
   return cells;
 }
 
@@ -172,8 +176,8 @@ TopologyCounts TopologyChange::change(const Field& field, const TopologyOptions&
     replace_regions(setting, regions_of(cells), kRegionGrowth + pass, edits_, replaced);
     edits_.drop_removed_triangles();
     cells.clear();
-    add_cells_in_dispute(field, mesh, edge_length, lattice, fewest_rows(std::move(replaced.blocks), lattice),
-                         cells);
+    add_cells_in_dispute(field, mesh, edge_length, lattice,
+                         fewer_rows(std::move(replaced.blocks), everywhere(field, mesh, lattice)), cells);
   }
   edits_.finish();
   counts.replaced = replaced.regions;

@@ -5,12 +5,14 @@
 
 #include "core/parallel.h"
 #include "core/whole_within.h"
+#include "surface/mesh/lattice_blocks.h"
 
 namespace kappaflow {
 namespace {
 
 constexpr int kWindingPlanes = 8;           // of a task: most triangles reach into one or two
 constexpr int kBeyondLattice = 1 << 30;     // more points than one has along an axis
+constexpr double kRowsAround = 0.01;        // [spacings] rows are shifted by less
 const Vec3 kRowShift(0, 1.37e-7, 2.91e-7);  // [spacings] of the rows: patches have vertices on the lattice's
 
 /// Twice the area of (a, b, p) projected on the y-z plane, positive counter-clockwise. The same number, but
@@ -20,14 +22,13 @@ double turn(const Vec3& a, const Vec3& b, int number_a, int number_b, double y, 
   return (b[1] - a[1]) * (z - a[2]) - (b[2] - a[2]) * (y - a[1]);
 }
 
-/// The triangles that reach into each slab of the lattice, ascending. position: in units of its spacing.
-std::vector<std::vector<int>> by_slab(std::span<const Vec3> position, std::span<const Triangle> triangles,
-                                      int planes) {
+/// The triangles that reach into each slab of the lattice, ascending. corners: in units of its spacing.
+std::vector<std::vector<int>> by_slab(std::span<const std::array<Vec3, 3>> corners, int planes) {
   const int slabs = (planes + kWindingPlanes - 1) / kWindingPlanes;
   std::vector<std::vector<int>> result(slabs);
-  for (int t = 0; t < static_cast<int>(triangles.size()); ++t) {
-    const auto& [a, b, c] = triangles[t];
-    const auto [least, most] = std::minmax({position[a][2], position[b][2], position[c][2]});
+  for (int t = 0; t < static_cast<int>(corners.size()); ++t) {
+    const auto& [a, b, c] = corners[t];
+    const auto [least, most] = std::minmax({a[2], b[2], c[2]});
     const double last = std::min<double>(std::floor(most / kWindingPlanes), slabs - 1);
     for (double s = std::max(0.0, std::floor(least / kWindingPlanes)); s <= last; ++s)
       result[static_cast<std::size_t>(s)].push_back(t);
@@ -91,21 +92,19 @@ std::vector<std::int8_t> winding_numbers(std::span<const Vec3> position, std::sp
                                          const SampledField& lattice) {
   const auto& dims = lattice.dims;
   std::vector<std::int8_t> winding(static_cast<std::size_t>(dims[0]) * dims[1] * dims[2], 0);
-  std::vector<Vec3> in_lattice(position.size());
-  const Vec3 offset = Vec3(0, 0, lattice.first_plane) + kRowShift;
-  parallel_for(position.size(), [&](std::size_t v) {
-    in_lattice[v] = (position[v] - lattice.origin) / lattice.spacing - offset;
+  std::vector<std::array<Vec3, 3>> corners(triangles.size());
+  const Vec3 offset = Vec3(lattice.first_column, lattice.first_row, lattice.first_plane) + kRowShift;
+  parallel_for(triangles.size(), [&](std::size_t t) {
+    for (int c = 0; c < 3; ++c)
+      corners[t][c] = (position[triangles[t][c]] - lattice.origin) / lattice.spacing - offset;
   });
-  const std::vector<std::vector<int>> in_slab = by_slab(in_lattice, triangles, dims[2]);
+  const std::vector<std::vector<int>> in_slab = by_slab(corners, dims[2]);
   parallel_for(
       in_slab.size(),
       [&](std::size_t s) {
         const int first = static_cast<int>(s) * kWindingPlanes;
         WindingSlab slab(lattice, first, std::min(first + kWindingPlanes, dims[2]) - 1, winding.data());
-        for (const int t : in_slab[s]) {
-          const auto& [a, b, c] = triangles[t];
-          slab.add({in_lattice[a], in_lattice[b], in_lattice[c]}, triangles[t]);
-        }
+        for (const int t : in_slab[s]) slab.add(corners[t], triangles[t]);
         slab.sum_up();
       },
       1);
@@ -113,8 +112,13 @@ std::vector<std::int8_t> winding_numbers(std::span<const Vec3> position, std::sp
 }
 
 TriangleMesh seen_by_lattice(const TriangleMesh& mesh, const SampledField& lattice) {
-  return extract_isosurface(lattice, [&](SampledField& samples) {
-    const std::vector<std::int8_t> winding = winding_numbers(mesh.position, mesh.triangles, samples);
+  const std::vector<LatticeBlock> blocks =
+      blocks_of(lattice, cubes_of(lattice, mesh.position, mesh.triangles));
+  const auto near = triangles_in_rows(lattice, mesh.position, mesh.triangles, blocks, kRowsAround);
+  std::size_t block = 0;
+  return extract_isosurface(lattice, blocks, [&](SampledField& samples) {
+    const std::vector<std::int8_t> winding =
+        winding_numbers(mesh.position, blocks.size() == 1 ? near[0] : near[block++], samples);
     samples.value.resize(winding.size());
     std::ranges::transform(winding, samples.value.begin(), [](int n) { return n != 0 ? 1.0f : -1.0f; });
   });

@@ -13,7 +13,8 @@ namespace kappaflow {
 /// indexed as SampledField::value: 1 inside, 0 outside, others where the mesh passes through itself.
 /// Crossings are counted along rows in x that lie 1.37e-7 and 2.91e-7 spacings beyond the points in y and z,
 /// so that they miss vertices which lie on the lattice's edges. They are counted modulo 256: beyond -128 ...
-/// 127 winding numbers wrap around.
+/// 127 winding numbers wrap around. Where the lattice begins inside the mesh, crossings before its first
+/// column count: triangles with other rows may be left out.
 std::vector<std::int8_t> winding_numbers(std::span<const Vec3> position, std::span<const Triangle> triangles,
                                          const SampledField& lattice);
 

@@ -1,12 +1,14 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <set>
 
 #include "core/errors.h"
-#include "surface/mesh/isosurface.h"
+#include "surface/mesh/block_isosurface.h"
+#include "surface/mesh/lattice_blocks.h"
 #include "surface/mesh/mesh_measures.h"
 #include "surface/mesh/self_intersection.h"
 #include "tests/surface/mesh/analytic_fields.h"
@@ -200,6 +202,90 @@ TEST(Isosurface, ClosedManifoldOutwardOnBlobs) {
       if (twice_area.dot(field.value_and_gradient((a + b + c) / 3).g) > 0) inward_area += twice_area.norm();
     }
     EXPECT_LT(inward_area, 1e-3 * area);
+  }
+}
+
+/// The cubes of the field as blocks, whatever share of the lattice they are.
+std::vector<LatticeBlock> cubes_as_blocks(const Field& field, const SampledField& lattice) {
+  std::vector<LatticeBlock> blocks;
+  const auto cubes = field.occupied_cubes(lattice, kCubeCells);
+  for (const LatticeCube& cube : cubes.value()) {
+    LatticeBlock& block = blocks.emplace_back();
+    for (int a = 0; a < 3; ++a) {
+      block.first[a] = kCubeCells * cube[a];
+      block.last[a] = std::min(block.first[a] + kCubeCells, lattice.dims[a] - 1);
+    }
+  }
+  return blocks;
+}
+
+std::vector<Vec3> sorted(std::vector<Vec3> points) {
+  std::ranges::sort(points, {}, [](const Vec3& x) {
+    return std::array{std::round(1e6 * x[0]), std::round(1e6 * x[1]), std::round(1e6 * x[2])};
+  });
+  return points;
+}
+
+TEST(Isosurface, InBlocksIsThatOfTheWholeLattice) {
+  for (unsigned seed = 0; seed < 3; ++seed) {
+    const ParticleField field = testing::random_blobs(seed, 40, 3);
+    const SampledField lattice = isosurface_lattice(field, 0.07);
+    const std::vector<LatticeBlock> blocks = cubes_as_blocks(field, lattice);
+    EXPECT_GT(blocks.size(), 8u);
+    const auto sample = [&](SampledField& samples) { field.sample(samples); };
+    const TriangleMesh dense = extract_isosurface(lattice, sample);
+    const TriangleMesh sparse = isosurface_in_blocks(lattice, blocks, sample);
+    ASSERT_EQ(sparse.vertex_count(), dense.vertex_count());
+    EXPECT_EQ(sparse.triangles.size(), dense.triangles.size());
+    const std::vector<Vec3> x = sorted(sparse.position), y = sorted(dense.position);
+    std::size_t apart = 0;  // rounding may swap two places
+    for (std::size_t v = 0; v < x.size(); ++v) apart += (x[v] - y[v]).norm() > 1e-5;
+    EXPECT_LT(apart, x.size() / 100);
+    EXPECT_EQ(mesh_topology(sparse.position, sparse.triangles).genus,
+              mesh_topology(dense.position, dense.triangles).genus);
+    EXPECT_NEAR(area_and_volume(sparse.position, sparse.triangles).volume,
+                area_and_volume(dense.position, dense.triangles).volume, 1e-5);
+  }
+}
+
+TEST(Isosurface, CubesHoldAllThatParticlesReach) {
+  const ParticleField field = testing::random_blobs(5, 12, 4);
+  SampledField lattice = isosurface_lattice(field, 0.1);
+  field.sample(lattice);
+  constexpr int kCells = 7;
+  const auto cubes = field.occupied_cubes(lattice, kCells);
+  ASSERT_TRUE(cubes.has_value());
+  std::size_t index = 0;
+  for (int k = 0; k < lattice.dims[2]; ++k)
+    for (int j = 0; j < lattice.dims[1]; ++j)
+      for (int i = 0; i < lattice.dims[0]; ++i, ++index)
+        if (lattice.value[index] > -0.5f + 1e-6f) {
+          EXPECT_TRUE(std::ranges::count(*cubes, LatticeCube{i / kCells, j / kCells, k / kCells}) == 1);
+        }
+  EXPECT_LT(cubes->size() * kCells * kCells * kCells, lattice.value.size());
+}
+
+TEST(Isosurface, OfTwoBodiesFarApartIsThoseOfEach) {
+  const std::vector<Vec3> here{Vec3(0, 0, 0), Vec3(0.4, 0.1, 0)};
+  std::vector<Vec3> both = here;
+  const Vec3 away(1e6, -1e6, 3e5);
+  for (const Vec3& x : here) both.emplace_back(x + away);
+  const double spacing = 0.0625;  // and the shift a multiple of it: both lie on their lattices alike
+  const ParticleField one(testing::rotating_particles(here, 1.0, 0.0), 0.5, 0),
+      two(testing::rotating_particles(both, 1.0, 0.0), 0.5, 0);
+  const TriangleMesh alone = extract_isosurface(one, spacing), pair = extract_isosurface(two, spacing);
+  ASSERT_EQ(pair.vertex_count(), 2 * alone.vertex_count());
+  EXPECT_EQ(pair.triangles.size(), 2 * alone.triangles.size());
+  EXPECT_EQ(mesh_topology(pair.position, pair.triangles).components, 2);
+  std::vector<Vec3> near, far;
+  for (const Vec3& x : pair.position) (x[0] < 1e5 ? near : far).push_back(x);
+  for (Vec3& x : far) x -= away;
+  for (const std::vector<Vec3>& part : {near, far}) {
+    const std::vector<Vec3> x = sorted(part), y = sorted(alone.position);
+    ASSERT_EQ(x.size(), y.size());
+    std::size_t apart = 0;
+    for (std::size_t v = 0; v < x.size(); ++v) apart += (x[v] - y[v]).norm() > 1e-5;
+    EXPECT_LT(apart, x.size() / 100);
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include "core/connectivity.h"
 #include "core/nearest_on_triangle.h"
+#include "surface/mesh/lattice_blocks.h"
 #include "surface/mesh/local_isosurface.h"
 #include "surface/mesh/mesh_measures.h"
 #include "surface/mesh/self_intersection.h"
@@ -43,6 +44,32 @@ TEST(WindingNumbers, AreTheSignOfTheFieldAroundItsIsosurface) {
     }
     EXPECT_EQ(wrong, 0u) << seed;
     EXPECT_GT(inside, 1000u);
+  }
+}
+
+TEST(WindingNumbers, OfABlockNeedItsRowsAlone) {
+  const ParticleField field = testing::random_blobs(1, 40, 2.5);
+  const TriangleMesh mesh = extract_isosurface(field, 0.1);
+  const SampledField lattice = isosurface_lattice(field, 0.07);
+  const std::vector<std::int8_t> all = winding_numbers(mesh.position, mesh.triangles, lattice);
+  const std::vector<LatticeBlock> blocks{{{20, 40, 33}, {50, 64, 60}}, {{0, 0, 0}, {9, 30, 4}}};
+  const auto near = triangles_in_rows(lattice, mesh.position, mesh.triangles, blocks, 0.01);
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    const auto& [first, last] = blocks[b];
+    EXPECT_LT(near[b].size(), mesh.triangles.size());
+    SampledField part = lattice;
+    part.first_column = first[0];
+    part.first_row = first[1];
+    part.first_plane = first[2];
+    for (int a = 0; a < 3; ++a) part.dims[a] = last[a] - first[a] + 1;
+    const std::vector<std::int8_t> winding = winding_numbers(mesh.position, near[b], part);
+    std::size_t index = 0, wrong = 0;
+    for (int k = first[2]; k <= last[2]; ++k)
+      for (int j = first[1]; j <= last[1]; ++j)
+        for (int i = first[0]; i <= last[0]; ++i, ++index)
+          wrong += winding[index] !=
+                   all[(static_cast<std::size_t>(k) * lattice.dims[1] + j) * lattice.dims[0] + i];
+    EXPECT_EQ(wrong, 0u);
   }
 }
 

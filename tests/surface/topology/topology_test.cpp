@@ -328,6 +328,31 @@ TEST(Topology, LeavesAMeshThatAgreesAlone) {
   }
 }
 
+TEST(Topology, ABodyFarAwayIsBornAndSeen) {
+  // The mesh has the one body, the field two, a thousand kilometres apart.
+  const auto particles = [](std::initializer_list<double> places) {
+    FieldParticles bodies;
+    for (const double x : places) {
+      bodies.position.emplace_back(x, 0.5 * x, 0.1);
+      bodies.velocity.push_back(Vec3::Zero());
+      bodies.sigma.push_back(1);
+      bodies.weight.push_back(1);
+      bodies.weight_rate.push_back(0);
+    }
+    return bodies;
+  };
+  const ParticleField one(particles({0}), 0.5, 0), two(particles({0, 1e6}), 0.5, 0);
+  Sheet sheet(one, two, 0.15);
+  const std::vector<Vec3> before = sheet.mesh.position;
+  TopologyChange topology;
+  const TopologyCounts counts = sheet.change(topology, two, 0.15);
+  EXPECT_EQ(counts.replaced, 1u);
+  EXPECT_EQ(counts.refused, 0u);
+  EXPECT_EQ(topology_of(sheet.mesh), (ComponentsGenus{2, 0}));
+  EXPECT_TRUE(std::ranges::equal(before, std::span(sheet.mesh.position).first(before.size())));
+  EXPECT_EQ(topology_of(seen_by_lattice(sheet.mesh, isosurface_lattice(two, 0.25))), (ComponentsGenus{2, 0}));
+}
+
 TEST(Topology, VerticesElsewhereKeepEverything) {
   const ParticleField apart = two_drops(1.5), merged = two_drops(1.2);
   Sheet sheet(apart, merged, 0.15);
