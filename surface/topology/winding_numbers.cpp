@@ -22,13 +22,15 @@ double turn(const Vec3& a, const Vec3& b, int number_a, int number_b, double y, 
   return (b[1] - a[1]) * (z - a[2]) - (b[2] - a[2]) * (y - a[1]);
 }
 
-/// The triangles that reach into each slab of the lattice, ascending. corners: in units of its spacing.
-std::vector<std::vector<int>> by_slab(std::span<const std::array<Vec3, 3>> corners, int planes) {
+/// The triangles that reach into each slab of the lattice, ascending. plane_of(v): of a vertex, in spacings.
+template <class PlaneOf>
+std::vector<std::vector<int>> by_slab(std::span<const Triangle> triangles, int planes,
+                                      const PlaneOf& plane_of) {
   const int slabs = (planes + kWindingPlanes - 1) / kWindingPlanes;
   std::vector<std::vector<int>> result(slabs);
-  for (int t = 0; t < static_cast<int>(corners.size()); ++t) {
-    const auto& [a, b, c] = corners[t];
-    const auto [least, most] = std::minmax({a[2], b[2], c[2]});
+  for (int t = 0; t < static_cast<int>(triangles.size()); ++t) {
+    const auto& [a, b, c] = triangles[t];
+    const auto [least, most] = std::minmax({plane_of(a), plane_of(b), plane_of(c)});
     const double last = std::min<double>(std::floor(most / kWindingPlanes), slabs - 1);
     for (double s = std::max(0.0, std::floor(least / kWindingPlanes)); s <= last; ++s)
       result[static_cast<std::size_t>(s)].push_back(t);
@@ -92,19 +94,21 @@ std::vector<std::int8_t> winding_numbers(std::span<const Vec3> position, std::sp
                                          const SampledField& lattice) {
   const auto& dims = lattice.dims;
   std::vector<std::int8_t> winding(static_cast<std::size_t>(dims[0]) * dims[1] * dims[2], 0);
-  std::vector<std::array<Vec3, 3>> corners(triangles.size());
   const Vec3 offset = Vec3(lattice.first_column, lattice.first_row, lattice.first_plane) + kRowShift;
-  parallel_for(triangles.size(), [&](std::size_t t) {
-    for (int c = 0; c < 3; ++c)
-      corners[t][c] = (position[triangles[t][c]] - lattice.origin) / lattice.spacing - offset;
-  });
-  const std::vector<std::vector<int>> in_slab = by_slab(corners, dims[2]);
+  const auto in_lattice = [&](int v) -> Vec3 {
+    return (position[v] - lattice.origin) / lattice.spacing - offset;
+  };
+  const std::vector<std::vector<int>> in_slab =
+      by_slab(triangles, dims[2], [&](int v) { return in_lattice(v)[2]; });
   parallel_for(
       in_slab.size(),
       [&](std::size_t s) {
         const int first = static_cast<int>(s) * kWindingPlanes;
         WindingSlab slab(lattice, first, std::min(first + kWindingPlanes, dims[2]) - 1, winding.data());
-        for (const int t : in_slab[s]) slab.add(corners[t], triangles[t]);
+        for (const int t : in_slab[s]) {
+          const auto& [a, b, c] = triangles[t];
+          slab.add({in_lattice(a), in_lattice(b), in_lattice(c)}, triangles[t]);
+        }
         slab.sum_up();
       },
       1);
