@@ -1,6 +1,10 @@
 // The liquid's particles as the solver holds them: structure of arrays in cell order, single precision.
 #pragma once
 
+#ifdef __F16C__
+#include <immintrin.h>
+#endif
+
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -19,7 +23,26 @@ using Vec4h = Eigen::Matrix<Eigen::half, 4, 1>;
 /// v in half precision, too large numbers as the largest.
 inline Vec4h halved(const Vec4f& v) {
   constexpr float most = 65504;
-  return v.cwiseMax(-most).cwiseMin(most).cast<Eigen::half>();
+  const Vec4f within = v.cwiseMax(-most).cwiseMin(most);
+#ifdef __F16C__
+  Vec4h result;
+  const __m128i halves = _mm_cvtps_ph(_mm_load_ps(within.data()), _MM_FROUND_TO_NEAREST_INT);
+  _mm_storel_epi64(reinterpret_cast<__m128i*>(result.data()), halves);
+  return result;
+#else
+  return within.cast<Eigen::half>();
+#endif
+}
+
+/// The other way.
+inline Vec4f widened(const Vec4h& v) {
+#ifdef __F16C__
+  Vec4f result;
+  _mm_store_ps(result.data(), _mm_cvtph_ps(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(v.data()))));
+  return result;
+#else
+  return v.cast<float>();
+#endif
 }
 
 /// v in single precision with a fourth component of 0.

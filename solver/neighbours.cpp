@@ -142,9 +142,8 @@ void NeighbourSearch::sort(FluidParticles& particles) {
   for (auto* array : {&particles.position, &particles.velocity, &particles.viscous_velocity})
     permute(*array, particles.scratch[0]);
   permute_in_wider(
-      particles.viscous_acceleration, particles.scratch[0],
-      [](const Vec4h& a) -> Vec4f { return a.cast<float>(); },
-      [](const Vec4f& a) -> Vec4h { return a.cast<Eigen::half>(); });
+      particles.viscous_acceleration, particles.scratch[0], [](const Vec4h& a) { return widened(a); },
+      [](const Vec4f& a) { return halved(a); });
   for (auto* array : {&particles.density_pressure, &particles.divergence_pressure, &particles.least_pressure})
     permute(*array, particles.scalar_scratch);
   for (auto* array : {&particles.fluid, &particles.led_by})

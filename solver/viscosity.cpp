@@ -149,7 +149,7 @@ class ViscositySolver::ConjugateGradients {
   void keep() {
     parallel_for(particles_.size(), [this](std::size_t i) {
       const Vec4f change = (solution_[i] - particles_.velocity[i]) / time_step_;
-      acceleration_[i] = halved(change - acceleration_[i].cast<float>());
+      acceleration_[i] = halved(change - widened(acceleration_[i]));
       particles_.velocity[i] = solution_[i];
     });
   }
@@ -160,7 +160,7 @@ class ViscositySolver::ConjugateGradients {
   void start(std::size_t i) {
     direction_[i].setZero();
     const Vec4f last = solution_[i], &now = particles_.velocity[i];
-    const Vec4f change = time_step_ * acceleration_[i].cast<float>();
+    const Vec4f change = time_step_ * widened(acceleration_[i]);
     const bool weak = cells_.is_weak(particles_.fluid[i]);
     solution_[i] = !forces_.act_on(i, particles_) ? now : weak ? Vec4f(now + change) : Vec4f(last + change);
     acceleration_[i] = weak ? Vec4h::Zero() : halved((last - now) / time_step_);
