@@ -32,7 +32,7 @@ const Claim kPlane{"kappaflow", "It folds to and fro and does not coil.",
 // In the first the theory's frequency is 4.7 speeds over the height; without gravity it is 4.4 to 5.0,
 // whatever viscosity and thickness are. In the second it depends on the height no more.
 constexpr std::array kRegimes{FallingRegime{"viscous", 0.1, 1.0, 1.0, 2.7},
-                              FallingRegime{"gravitational", 0.05, 9.81, 0.7, 2.1}};
+                              FallingRegime{"gravitational", 0.05, 9.81, 1.2, 2.2}};
 
 /// Follows a strip: where it is a third of the way down, and where it comes to rest.
 class FoldWatch {

@@ -28,7 +28,7 @@ TriangleMesh directly_tracked(const std::string& method) {
                                .sigma = std::vector<double>(n, kSigma),
                                .weight = std::vector<double>(n, 1.0),
                                .weight_rate = std::vector<double>(n, 0.0)};
-  constexpr int kStepsAFrame = 3, kSteps = kStepsAFrame * (kFrames - 1);
+  constexpr int kStepsAFrame = 1, kSteps = kStepsAFrame * (kFrames - 1);
   const double dt = 0.1 * (kFrames - 1) / kSteps;
   const SurfaceDescription description;
   TrackerOptions options = description.tracker;
