@@ -44,7 +44,7 @@ SurfaceOptions field_choices(std::optional<double> sigma, std::optional<double> 
 SurfaceOptions surface_choices(SurfaceOptions options, const std::vector<nb::object>& methods, bool is_cloud,
                                double edge_length, bool remesh, bool topology, double motion_per_step,
                                const VelocityOptions& velocity) {
-  for (const nb::object& method : methods) options.velocities.push_back(velocity_function(method));
+  for (const nb::object& method : methods) options.velocities.push_back(surface_method(method));
   options.is_cloud = is_cloud;
   options.edge_length = edge_length;
   options.remesh = remesh;

@@ -123,7 +123,7 @@ void bind_tracker(nb::module_& m) {
                      return self.use([](const TrackedSurfaces& s) { return s.field_options().threshold; });
                    })
       .def_prop_ro("surfaces", [](Tracker& self) {
-        return self.use([](const TrackedSurfaces& s) { return s.trackers().size(); });
+        return self.use([](const TrackedSurfaces& s) { return s.count(); });
       });
 }
 

@@ -61,6 +61,12 @@ nb::ndarray<nb::numpy, const Entry, nb::shape<-1>> view(const std::vector<Entry>
 
 }  // namespace
 
+SurfaceMethod surface_method(const nb::object& method) {
+  if (!nb::isinstance<nb::str>(method)) return velocity_function(method);
+  const std::string name = nb::cast<std::string>(method);
+  return surface_methods_named({&name, 1}).front();
+}
+
 VelocityFunction velocity_function(const nb::object& method) {
   if (nb::isinstance<nb::str>(method)) return velocity_method(nb::cast<std::string>(method)).evaluate;
   return [method = nb::handle(method)](const Field& field, const SurfacePoints& points,

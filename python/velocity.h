@@ -8,6 +8,7 @@
 
 #include "core/connectivity.h"
 #include "surface/motion/velocity.h"
+#include "surface/tracker/surface_methods.h"
 
 namespace kappaflow::python {
 
@@ -27,5 +28,7 @@ struct PointsHandle {
 /// the thread that moves the surface; what it raises is raised by whatever moved the surface. Throws
 /// InvalidInput for an unknown name.
 VelocityFunction velocity_function(const nanobind::object& method);
+/// The same of all ways in which a surface follows the liquid, tracked or not.
+SurfaceMethod surface_method(const nanobind::object& method);
 
 }  // namespace kappaflow::python

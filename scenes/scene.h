@@ -70,9 +70,9 @@ struct Wall {
 };
 
 /// How the surface is defined, meshed and tracked: SurfaceOptions as far as they do not follow from the
-/// liquid, and the velocity methods by their names.
+/// liquid, and the methods by their names.
 struct SurfaceDescription : SurfaceOptions {
-  /// To track with, from velocity_methods(); may be empty.
+  /// From surface_methods(); may be empty.
   std::vector<std::string> methods{"material"};
 };
 

@@ -9,7 +9,7 @@
 #include "scenes/toml_reader.h"
 #include "solver/boundary_sampling.h"
 #include "solver/emitter.h"
-#include "surface/motion/velocity_methods.h"
+#include "surface/tracker/surface_methods.h"
 
 namespace kappaflow {
 namespace {
@@ -298,9 +298,6 @@ void read_tracker(TomlTable& t, TrackerOptions& tracker) {
 }
 
 void read_surface(TomlTable t, SurfaceDescription& surface) {
-  std::vector<std::string_view> methods;
-  for (const VelocityMethod& method : velocity_methods()) methods.push_back(method.name);
-
   // Below 1.2 spacings neighbouring particles hardly overlap; above 6 each point has a thousand of them in
   // reach.
   surface.sigma = t.number("sigma", {1.2, 6, false, "spacings"}, surface.sigma);
@@ -308,7 +305,8 @@ void read_surface(TomlTable t, SurfaceDescription& surface) {
   surface.threshold = t.number_or("auto", "threshold", positive("", 100), surface.threshold);
   surface.edge_length =
       t.number("edge_length", {kFinestEdge, kCoarsestEdge, false, "sigma"}, surface.edge_length);
-  surface.methods = t.names("methods", methods, surface.methods);
+  surface.methods = t.names("methods", surface_method_names(), surface.methods);
+  surface.anchor = t.choice("anchor", kAnchors, std::optional(surface.anchor));
   surface.motion_per_step = t.number("motion_per_step", positive("sigma", 1e6), surface.motion_per_step);
   surface.remesh = t.flag("remesh", surface.remesh);
   surface.topology = t.flag("topology", surface.topology);

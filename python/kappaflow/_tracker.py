@@ -27,7 +27,8 @@ class Tracker:
     cloud come from it. The mesh does not depend on it.
 
     methods: a velocity method, or several for as many surfaces: names of velocity_methods() or functions (see
-    VelocityFunction); `material`, or `regional` for a point cloud, unless given.
+    VelocityFunction), or `fresh-nearest` and `fresh-particles`, which do not track; `material`, or `regional` for a point cloud,
+    unless given.
     sigma, threshold, weights: as for Field. edge_length: of the mesh where it is flat, in units of sigma.
     remesh, topology: whether the mesh's connectivity and its topology follow the surface.
     motion_per_step: the fast particles move by this at most in one step, in units of sigma; np.inf: a step an instant.

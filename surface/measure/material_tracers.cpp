@@ -5,7 +5,10 @@
 namespace kappaflow {
 
 MaterialTracers::MaterialTracers(std::span<const Vec3> position)
-    : position_(position.begin(), position.end()), lost_(position.size(), 0), velocity_(position.size()) {}
+    : start_(position.begin(), position.end()),
+      position_(start_),
+      lost_(position.size(), 0),
+      velocity_(position.size()) {}
 
 void MaterialTracers::step(FieldMotion& motion) {
   position_t0_ = position_;

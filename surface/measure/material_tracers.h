@@ -21,18 +21,19 @@ class MaterialTracers {
   /// Moves the tracers from motion.t0() to motion.t1() by classical Runge-Kutta of order 4.
   void step(FieldMotion& motion);
 
+  std::span<const Vec3> start() const { return start_; }  ///< where each began [m]
   std::span<const Vec3> position() const { return position_; }
   std::span<const char> lost() const { return lost_; }  ///< 1 where the tracer is lost
   std::size_t lost_count() const;
 
-  /// See core/saved_state.h.
+  /// See core/saved_state.h; for tracers that were made at the same positions.
   template <class Archive>
   void serialize(Archive& archive) {
     archive(position_, lost_);
   }
 
  private:
-  std::vector<Vec3> position_;
+  std::vector<Vec3> start_, position_;
   std::vector<char> lost_;
   RungeKutta runge_kutta_;
   std::vector<Vec3> velocity_, position_t0_;  // scratch

@@ -47,6 +47,8 @@ struct SurfaceMetrics {
   std::vector<PieceRotation> pieces;        ///< see rotation_by_piece()
   std::optional<double> rotation_captured;  ///< of the largest piece
   std::optional<double> tracer_distance;    ///< mean distance of a vertex from its material tracer, in sigma
+  std::optional<double> texture_distance;   ///< see texture_distance()
+  std::optional<double> texture_flicker;    ///< see texture_flicker()
   MeshTopology topology;
   double kept_fraction = 1;           ///< share of the first mesh's vertices that are still there
   std::size_t unprojected = 0;        ///< vertices that are not on the surface
@@ -71,8 +73,9 @@ inline constexpr double kSoundVolume = 0.02;  ///< largest relative difference o
 /// Field::length_scale().
 double surface_residual(const Field& field, const TriangleMesh& mesh);
 
-/// Everything that mesh and state say; judgement, tracer_distance, kept_fraction, kept_since_frame,
-/// vertices_replaced and regions_* are the caller's. report_axis: a unit vector.
+/// Everything that mesh and state say; judgement, tracer_distance, texture_distance, texture_flicker,
+/// kept_fraction, kept_since_frame, vertices_replaced and regions_* are the caller's. report_axis: a unit
+/// vector.
 SurfaceMetrics surface_metrics(const Field& field, const TriangleMesh& mesh, const SurfaceState& state,
                                const Vec3& report_axis);
 

@@ -24,7 +24,7 @@ RestPair::RestPair(TrackedSurfaces& surfaces, int interval) : interval_(interval
 void RestPair::update(TrackedSurfaces& surfaces, int frame) {
   if (frame % interval_ == 0) reset(surfaces, frame / interval_ % 2);
   const double phase = static_cast<double>(frame % (2 * interval_)) / interval_;
-  for (std::size_t m = 0; m < surfaces.trackers().size(); ++m) {
+  for (std::size_t m = 0; m < surfaces.count(); ++m) {
     std::ranges::fill(surfaces.array<double>(kWeight, m), std::abs(1 - phase));
     for (const char* name : kNames) {
       const std::span<Vec3> rest = surfaces.array<Vec3>(name, m);
@@ -35,7 +35,7 @@ void RestPair::update(TrackedSurfaces& surfaces, int frame) {
 }
 
 void RestPair::reset(TrackedSurfaces& surfaces, int which) {
-  for (std::size_t m = 0; m < surfaces.trackers().size(); ++m)
+  for (std::size_t m = 0; m < surfaces.count(); ++m)
     std::ranges::copy(surfaces.mesh(m).position, surfaces.array<Vec3>(kNames[which], m).begin());
   box_[which] = bounding_box(surfaces.mesh().position);
 }

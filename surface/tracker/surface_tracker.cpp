@@ -67,17 +67,17 @@ SurfaceTracker& SurfaceTracker::operator=(SurfaceTracker&&) noexcept = default;
 const TriangleMesh& SurfaceTracker::mesh() const {
   return state_->mesh;
 }
-TriangleMesh& SurfaceTracker::own_mesh() {
+TriangleMesh& SurfaceTracker::mesh() {
   return state_->mesh;
-}
-std::span<int> SurfaceTracker::source() {
-  return state_->mesh.source;
 }
 const VertexRings& SurfaceTracker::rings() const {
   return state_->rings;
 }
 const TrackerOptions& SurfaceTracker::options() const {
   return state_->options;
+}
+SurfaceState SurfaceTracker::state(const Field& field) const {
+  return surface_state(field, mesh(), rings(), options().method, options().velocity);
 }
 
 template <class Archive>

@@ -2,10 +2,9 @@
 #pragma once
 
 #include <memory>
-#include <span>
-#include <string_view>
 
 #include "surface/field/field.h"
+#include "surface/measure/surface_state.h"
 #include "surface/mesh/triangle_mesh.h"
 #include "surface/tracker/tracker_options.h"
 
@@ -37,27 +36,18 @@ class SurfaceTracker {
                               TrackerStep* report = nullptr);
 
   const TriangleMesh& mesh() const;
-  /// TriangleMesh::source, for whoever knows the liquid to fill in.
-  std::span<int> source();
-  /// TriangleMesh::add_array() of the mesh, and the entries of the array, to be filled in.
-  template <class T>
-  std::span<T> add_array(std::string_view name, Carry carry, const T& fresh) {
-    return own_mesh().add_array(name, carry, fresh);
-  }
-  template <class T>
-  std::span<T> array(std::string_view name) {
-    return own_mesh().template array<T>(name);
-  }
+  /// For whoever knows the liquid to fill in arrays; its vertices and triangles are the tracker's.
+  TriangleMesh& mesh();
   const VertexRings& rings() const;
   const TrackerOptions& options() const;
+  /// Normals, curvatures and velocities at the vertices. field: at the end of the last step.
+  SurfaceState state(const Field& field) const;
 
   /// See core/saved_state.h; for a tracker that was made with the same options, on any mesh.
   template <class Archive>
   void serialize(Archive& archive);
 
  private:
-  TriangleMesh& own_mesh();
-
   struct State;
   std::unique_ptr<State> state_;
 };

@@ -15,6 +15,7 @@
 #include "surface/motion/material.h"
 #include "surface/motion/regional.h"
 #include "surface/remesh/initial_mesh.h"
+#include "surface/tracker/origin_map.h"
 
 namespace kappaflow {
 namespace {
@@ -22,34 +23,51 @@ namespace {
 constexpr double kShareOfFast = 0.999;  // a few that fly off do not set the number of steps
 constexpr int kMostSteps = 1000000;     // from one instant to the next
 
-std::vector<VelocityFunction> velocities_of(const SurfaceOptions& options) {
-  if (!options.velocities.empty()) return options.velocities;
-  return {options.is_cloud ? evaluate_regional : evaluate_material};
+/// What a surface moves with, as far as particles tell, where no method says it.
+VelocityFunction default_velocity(const SurfaceOptions& options) {
+  return options.is_cloud ? evaluate_regional : evaluate_material;
 }
 
-/// first_mesh: what making it took.
-std::vector<SurfaceTracker> make_trackers(const Field& field, double sigma, const SurfaceOptions& surface,
-                                          TrackerStep& first_mesh) {
-  const double edge_length = surface.edge_length * sigma;
-  TriangleMesh mesh;
-  const double seconds =
-      seconds_of([&] { mesh = initial_mesh(field, edge_length, surface.tracker.projection); });
-  if (mesh.triangles.empty())
-    throw InvalidInput(
-        fmt::format("{}: the surface is empty: Eq. 12 stays below the threshold everywhere", surface.name));
-  TrackerOptions options = surface.tracker;
-  options.remeshing.edge_length = surface.remesh ? edge_length : 0;
-  options.topology.follows_field = surface.topology;
-  TrackerStep settling;
-  mesh = SurfaceTracker::settled(field, std::move(mesh), options, &settling);
-  first_mesh.topology_seconds = settling.topology_seconds;
-  first_mesh.remesh_seconds = seconds + settling.remesh_seconds;
-  std::vector<SurfaceTracker> trackers;
-  for (VelocityFunction& velocity : velocities_of(surface)) {
-    options.method = std::move(velocity);
-    trackers.emplace_back(mesh, options);
+std::vector<SurfaceMethod> methods_of(const SurfaceOptions& options) {
+  if (!options.velocities.empty()) return options.velocities;
+  return {default_velocity(options)};
+}
+
+/// 1 for each surface whose textures the particles give, or correct.
+std::vector<char> from_particles(const SurfaceOptions& options) {
+  std::vector<char> result;
+  for (const SurfaceMethod& method : methods_of(options)) {
+    const auto* fresh = std::get_if<FreshMesh>(&method);
+    result.push_back(fresh != nullptr ? *fresh == FreshMesh::particles : options.anchor == Anchor::particles);
   }
-  return trackers;
+  return result;
+}
+
+/// A fresh mesh knows nothing of itself: the side that weighs most gives it all. A tracked vertex keeps its
+/// side, so that seams stay where they are.
+void take_origins(const OriginMap& map, bool is_fresh, TriangleMesh& mesh) {
+  for_each_with_voters(mesh.vertex_count(), [&](std::size_t v, OriginMap::Voters& voters) {
+    const Vec3& x = mesh.position[v];
+    const std::optional<Origin> origin =
+        is_fresh ? map.at(x, voters) : map.at(x, {mesh.rest_position[v], mesh.source[v]}, voters);
+    if (!origin) return;
+    mesh.rest_position[v] = origin->position;
+    if (is_fresh) mesh.source[v] = origin->source;
+  });
+}
+
+void find_nearest_sources(const Particles& particles, std::span<const int> source, bool anew,
+                          TriangleMesh& mesh) {
+  std::vector<std::size_t> unknown;
+  std::vector<Vec3> place;
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+    if (!anew && mesh.source[v] != kUnknownSource) continue;
+    unknown.push_back(v);
+    place.push_back(mesh.position[v]);
+  }
+  if (unknown.empty()) return;
+  const std::vector<std::uint32_t> nearest = nearest_points(particles.position, place);
+  for (std::size_t k = 0; k < unknown.size(); ++k) mesh.source[unknown[k]] = source[nearest[k]];
 }
 
 }  // namespace
@@ -88,9 +106,45 @@ TrackedSurfaces::TrackedSurfaces(Particles first, const Particles* next, const S
       motion_per_step_(options.motion_per_step),
       name_(options.name),
       field_(next ? motion_to(*next).at(particles_.time) : particle_field(particles_, field_options_)),
-      report_(velocities_of(options).size()),
-      trackers_(make_trackers(*field_, field_options_.sigma, options, report_[0])),
-      first_mesh_seconds_(report_[0].topology_seconds + report_[0].remesh_seconds) {}
+      report_(methods_of(options).size()),
+      surfaces_(make_surfaces(*field_, field_options_.sigma, options, report_[0])),
+      from_particles_(kappaflow::from_particles(options)),
+      first_mesh_seconds_(report_[0].topology_seconds + report_[0].remesh_seconds) {
+  if (std::ranges::count(from_particles_, 1) == 0) return;
+  if (is_cloud_)
+    throw InvalidInput(fmt::format("{}: textures from particles take particles with ids", name_));
+  origins_.emplace().see(particles_);
+}
+
+/// first_mesh: what making it took.
+std::vector<TrackedSurfaces::Surface> TrackedSurfaces::make_surfaces(const Field& field, double sigma,
+                                                                     const SurfaceOptions& surface,
+                                                                     TrackerStep& first_mesh) {
+  const double edge_length = surface.edge_length * sigma;
+  TriangleMesh mesh;
+  const double seconds =
+      seconds_of([&] { mesh = initial_mesh(field, edge_length, surface.tracker.projection); });
+  if (mesh.triangles.empty())
+    throw InvalidInput(
+        fmt::format("{}: the surface is empty: Eq. 12 stays below the threshold everywhere", surface.name));
+  TrackerOptions options = surface.tracker;
+  options.remeshing.edge_length = surface.remesh ? edge_length : 0;
+  options.topology.follows_field = surface.topology;
+  TrackerStep settling;
+  mesh = SurfaceTracker::settled(field, std::move(mesh), options, &settling);
+  first_mesh.topology_seconds = settling.topology_seconds;
+  first_mesh.remesh_seconds = seconds + settling.remesh_seconds;
+  std::vector<Surface> surfaces;
+  for (const SurfaceMethod& method : methods_of(surface)) {
+    if (const auto* velocity = std::get_if<VelocityFunction>(&method)) {
+      options.method = *velocity;
+      surfaces.emplace_back(SurfaceTracker(mesh, options));
+    } else {
+      surfaces.emplace_back(FreshSurface(mesh, edge_length, default_velocity(surface), options.velocity));
+    }
+  }
+  return surfaces;
+}
 
 /// Particles without velocities say nothing about how fast their surface may be: it is what the motion of a
 /// cloud allows.
@@ -124,54 +178,66 @@ bool TrackedSurfaces::step(Particles next, const Watch& watch) {
   for (int s = 1; s <= steps; ++s) {
     const double end = s == steps ? motion.t1() : t0 + s * dt;
     MotionPart part(motion, time, end);
-    step_trackers(part);
+    step_surfaces(part);
     if (watch && !watch(part) && s < steps) return false;
     motion.forget_before(end);
     time = end;
   }
   particles_ = std::move(next);
+  if (origins_) origins_->see(particles_);
   return true;
 }
 
-void TrackedSurfaces::step_trackers(FieldMotion& motion) {
-  for (std::size_t m = 0; m < trackers_.size(); ++m) report_[m] += trackers_[m].step(motion);
+/// Between frames there is nothing to do for a mesh that is new in each.
+void TrackedSurfaces::step_surfaces(FieldMotion& motion) {
+  for (std::size_t m = 0; m < surfaces_.size(); ++m)
+    if (auto* tracker = std::get_if<SurfaceTracker>(&surfaces_[m])) report_[m] += tracker->step(motion);
   field_ = motion.at(motion.t1());
 }
 
-void TrackedSurfaces::settle() {
-  for (std::size_t m = 0; m < trackers_.size(); ++m) report_[m] += trackers_[m].settle(*field_);
+void TrackedSurfaces::settle(std::span<const int> source, bool anew) {
+  for (std::size_t m = 0; m < surfaces_.size(); ++m)
+    report_[m] += std::visit([&](auto& surface) { return surface.settle(*field_); }, surfaces_[m]);
+  find_sources(source, anew);
 }
 
-void TrackedSurfaces::advance(Particles next) {
+void TrackedSurfaces::advance(Particles next, std::span<const int> source) {
   step(std::move(next));
-  settle();
+  settle(source);
+}
+
+TriangleMesh& TrackedSurfaces::mesh_of(Surface& surface) {
+  return std::visit([](auto& followed) -> TriangleMesh& { return followed.mesh(); }, surface);
+}
+
+const TriangleMesh& TrackedSurfaces::mesh(std::size_t surface) const {
+  return std::visit([](const auto& followed) -> const TriangleMesh& { return followed.mesh(); },
+                    surfaces_[surface]);
 }
 
 SurfaceState TrackedSurfaces::state(std::size_t surface) const {
-  const SurfaceTracker& tracker = trackers_[surface];
-  return surface_state(*field_, tracker.mesh(), tracker.rings(), tracker.options().method,
-                       tracker.options().velocity);
+  return std::visit([&](const auto& followed) { return followed.state(*field_); }, surfaces_[surface]);
 }
 
 void TrackedSurfaces::find_sources(std::span<const int> source, bool anew) {
-  if (source.empty()) return;
-  for (SurfaceTracker& tracker : trackers_) {
-    const std::span<int> of_vertex = tracker.source();
-    std::vector<std::size_t> unknown;
-    std::vector<Vec3> place;
-    for (std::size_t v = 0; v < of_vertex.size(); ++v) {
-      if (!anew && of_vertex[v] != kUnknownSource) continue;
-      unknown.push_back(v);
-      place.push_back(tracker.mesh().position[v]);
-    }
-    if (unknown.empty()) continue;
-    const std::vector<std::uint32_t> nearest = nearest_points(particles_.position, place);
-    for (std::size_t k = 0; k < unknown.size(); ++k) of_vertex[unknown[k]] = source[nearest[k]];
+  if (!source.empty())
+    for (Surface& surface : surfaces_) find_nearest_sources(particles_, source, anew, mesh_of(surface));
+  take_origins(source);
+}
+
+void TrackedSurfaces::take_origins(std::span<const int> source) {
+  if (!origins_) return;
+  const OriginMap map(particles_, origins_->of(particles_), source, field_options_.sigma);
+  for (std::size_t m = 0; m < surfaces_.size(); ++m) {
+    if (!from_particles_[m]) continue;
+    const bool is_fresh = std::holds_alternative<FreshSurface>(surfaces_[m]);
+    report_[m].texture_seconds +=
+        seconds_of([&] { kappaflow::take_origins(map, is_fresh, mesh_of(surfaces_[m])); });
   }
 }
 
 std::vector<TrackerStep> TrackedSurfaces::take_report() {
-  return std::exchange(report_, std::vector<TrackerStep>(trackers_.size()));
+  return std::exchange(report_, std::vector<TrackerStep>(surfaces_.size()));
 }
 
 }  // namespace kappaflow

@@ -35,8 +35,9 @@ struct TrackerStep {
   RemeshCounts edits;
   double velocity_seconds = 0;  ///< wall time of the advection
   double fairing_seconds = 0;   ///< wall time of fairing and projection
-  double topology_seconds = 0;  ///< wall time of the changes of topology
+  double topology_seconds = 0;  ///< wall time of the changes of topology, or of a fresh mesh
   double remesh_seconds = 0;    ///< wall time of the edits
+  double texture_seconds = 0;   ///< wall time of textures that no vertex carries along
 
   /// Both one after the other.
   TrackerStep& operator+=(const TrackerStep& next) {
@@ -48,6 +49,7 @@ struct TrackerStep {
     fairing_seconds += next.fairing_seconds;
     topology_seconds += next.topology_seconds;
     remesh_seconds += next.remesh_seconds;
+    texture_seconds += next.texture_seconds;
     return *this;
   }
 

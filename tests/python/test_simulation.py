@@ -73,7 +73,7 @@ def test_methods_and_walls():
 def test_what_is_wrong_with_a_scene_is_said_as_the_program_says_it(tmp_path):
     with pytest.raises(kappaflow.InvalidInput, match=r"^scene.toml:\d+:\d+: .*viscosity"):
         kappaflow.simulate(SHORT.replace("kinematic_viscosity", "kinematic_viscositi"))
-    with pytest.raises(kappaflow.InvalidInput, match="unknown velocity method 'wind'; methods are normal, total"):
+    with pytest.raises(kappaflow.InvalidInput, match="unknown method 'wind'; methods are normal, total"):
         kappaflow.simulate(SHORT, methods=["wind"])
     with pytest.raises(kappaflow.InvalidInput, match="no velocity method to track with"):
         kappaflow.simulate(SHORT, methods=[])

@@ -39,7 +39,8 @@ axis = [0, 1, 0]
 [[wall.motion]]
 angular_velocity = 3
 [surface]
-methods = ["curvature", "regional"]
+methods = ["curvature", "regional", "fresh-nearest", "fresh-particles"]
+anchor = "particles"
 weights = "normalised"
 motion_per_step = 0.5
 [output]

@@ -61,7 +61,7 @@ void add_track(CLI::App& app, CommandLine& line) {
       add_resume(*track, line.track.resume, "; FILES: where the particles are now, if elsewhere");
   track->add_option("--out", line.track.folder, "Folder for the results (default: out/<name of the files>)");
   add_methods(*track, "--velocity", line.track.methods,
-              "Velocity methods (default: material; regional where neither velocities nor ids are known)");
+              "Methods (default: material; regional where neither velocities nor ids are known)");
   add_positive(*track, "--fps", line.track.frames_per_second,
                "Frames a second, where the files hold no times");
   add_positive(*track, "--sigma", line.track.sigma,
@@ -87,6 +87,13 @@ void add_track(CLI::App& app, CommandLine& line) {
       ->type_name("NAME")
       ->check(one_of({"planar", "spherical", "box"}));
   track
+      ->add_option_function<std::string>(
+          "--anchor", [&line](const std::string& name) { line.track.anchor = *value_of(kAnchors, name); },
+          "What corrects the rest positions of tracked meshes: none, or particles, by their ids (default: "
+          "none)")
+      ->type_name("NAME")
+      ->check(one_of({"none", "particles"}));
+  track
       ->add_option(
           "--metrics", line.track.metrics_interval,
           "Frames from one that is compared with a fresh isosurface and with material tracers to the "
@@ -104,7 +111,7 @@ void add_track(CLI::App& app, CommandLine& line) {
   add_force_and_quiet(*track, "run", line.track.force, line.track.quiet);
   for (const char* name :
        {"--out", "--velocity", "--fps", "--sigma", "--threshold", "--weights", "--frames", "--edge",
-        "--checker", "--texture", "--rest-interval", "--metrics", "--format", "--force"})
+        "--checker", "--texture", "--anchor", "--rest-interval", "--metrics", "--format", "--force"})
     resume->excludes(track->get_option(name));
   track->callback([files, resume] {
     if (files->empty() && resume->empty()) throw CLI::RequiredError("FILES or --resume");
@@ -157,10 +164,12 @@ void add_probe(CLI::App& app, CommandLine& line) {
   probe->add_option("--threshold", line.probe.threshold, "T of Eq. 12; that of a run is in its run.json")
       ->required()
       ->check(number_in("a number", [](double) { return true; }));
-  for (const VelocityMethod& method : velocity_methods()) line.probe.methods.emplace_back(method.name);
-  add_methods(*probe, "--methods", line.probe.methods, "Velocity methods to evaluate (default: all)");
+  std::vector<std::string_view> names;
+  for (const VelocityMethod& method : velocity_methods()) names.push_back(method.name);
+  line.probe.methods.assign(names.begin(), names.end());
+  add_methods(*probe, "--methods", line.probe.methods, "Velocity methods to evaluate (default: all)", names);
   probe->footer(
-      method_lines() + "\n" +
+      velocity_method_lines() + "\n" +
       footer("kappaflow probe out/staircase/particles/particles_0010.vtp points.csv --threshold 4.96 "
              "--methods total,curvature"));
 }

@@ -18,10 +18,11 @@ constexpr const char* kExitCodes =
     "  0 done   2 wrong input or command line   3 the simulation failed   4 broken mesh\n"
     "  5 a file cannot be read or written   130 interrupted (Ctrl-C)   143 ended (SIGTERM)";
 
-std::vector<std::string_view> method_names() {
-  std::vector<std::string_view> names;
-  for (const VelocityMethod& method : velocity_methods()) names.push_back(method.name);
-  return names;
+/// Of methods that have a name and a summary.
+std::string lines_of(const std::string& title, const auto& methods) {
+  std::string text = title + ":\n";
+  for (const auto& method : methods) text += fmt::format("  {:<16} {}\n", method.name, method.summary);
+  return text;
 }
 
 }  // namespace
@@ -31,10 +32,11 @@ std::string footer(const std::string& example) {
 }
 
 std::string method_lines() {
-  std::string text = "Velocity methods:\n";
-  for (const VelocityMethod& method : velocity_methods())
-    text += fmt::format("  {:<16} {}\n", method.name, method.summary);
-  return text;
+  return lines_of("Methods", surface_methods());
+}
+
+std::string velocity_method_lines() {
+  return lines_of("Velocity methods", velocity_methods());
 }
 
 // Validators see the words before CLI11 converts them; an empty result means that the word is fine.
@@ -73,12 +75,12 @@ void add_threads(CLI::App& command, int& threads) {
 }
 
 void add_methods(CLI::App& command, const std::string& name, std::vector<std::string>& methods,
-                 const std::string& text) {
+                 const std::string& text, const std::vector<std::string_view>& allowed) {
   command.add_option(name, methods, text)
       ->delimiter(',')
       ->allow_extra_args(false)
       ->type_name("NAMES")
-      ->check(one_of(method_names()));
+      ->check(one_of(allowed));
 }
 
 void add_formats(CLI::App& command, std::vector<MeshFormat>& formats, bool with_vtk) {

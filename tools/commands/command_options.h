@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "surface/motion/velocity.h"
+#include "surface/tracker/surface_methods.h"
 #include "tools/io/mesh_formats.h"
 
 namespace kappaflow {
@@ -17,8 +18,9 @@ namespace kappaflow {
 /// The end of a help text: the example, and the exit codes.
 std::string footer(const std::string& example);
 
-/// The velocity methods, a line each.
+/// The methods by which surfaces follow the liquid, a line each; and the velocity methods alone.
 std::string method_lines();
+std::string velocity_method_lines();
 
 /// Refuse words, and say what is allowed: finite numbers, described by `what`; whole numbers; names.
 CLI::Validator number_in(const std::string& what, const std::function<bool(double)>& allowed);
@@ -27,9 +29,10 @@ CLI::Validator one_of(const std::vector<std::string_view>& names);
 
 void add_threads(CLI::App& command, int& threads);
 
-/// An option that takes names of velocity methods, between commas.
+/// An option that takes names of methods, between commas.
 void add_methods(CLI::App& command, const std::string& name, std::vector<std::string>& methods,
-                 const std::string& text);
+                 const std::string& text,
+                 const std::vector<std::string_view>& allowed = surface_method_names());
 
 /// --format: files for other programs. with_vtk: beside VTK's, which are always written; else of what there
 /// is, usd where none is named.

@@ -6,7 +6,7 @@
 #include <cstdlib>
 
 #include "core/suggestion.h"
-#include "surface/motion/velocity_methods.h"
+#include "surface/tracker/surface_methods.h"
 #include "tools/io/mesh_formats.h"
 
 namespace kappaflow {
@@ -46,7 +46,7 @@ bool is_element(const std::string& word) {
   char* end = nullptr;
   std::strtod(word.c_str(), &end);
   const auto named = [&](const auto& named_thing) { return named_thing.name == word; };
-  return *end == '\0' || std::ranges::any_of(velocity_methods(), named) ||
+  return *end == '\0' || std::ranges::any_of(surface_methods(), named) ||
          std::ranges::any_of(kMeshFormats, named);
 }
 

@@ -40,7 +40,7 @@ void add_run(CLI::App& app, CommandLine& line) {
   CLI::Option* scene = run->add_option("SCENE", line.run.scene, "Scene file (.toml)");
   CLI::Option* resume = add_resume(*run, line.run.resume, "");
   run->add_option("--out", line.run.folder, "Folder for the results (default: out/<name of the scene>)");
-  add_methods(*run, "--track", line.run.methods, "Velocity methods to track with (default: the scene's)");
+  add_methods(*run, "--track", line.run.methods, "Methods to track with (default: the scene's)");
   run->add_option("--duration", line.duration, "Simulated time in seconds (default: the scene's)")
       ->check(number_in("a number of seconds above 0", [](double value) { return value > 0; }));
   add_formats(*run, line.run.formats, true);

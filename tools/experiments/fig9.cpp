@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "surface/motion/velocity_methods.h"
+#include "surface/tracker/surface_methods.h"
 #include "tools/pictures/method_curve.h"
 #include "tools/pictures/render.h"
 #include "tools/runs/run.h"
@@ -46,7 +46,7 @@ RunSummary run_all_methods(const ExperimentContext& context) {
   RunOptions options;
   options.scene = context.file;
   options.folder = context.folder / "run";
-  for (const VelocityMethod& method : velocity_methods()) options.methods.emplace_back(method.name);
+  for (const std::string_view method : surface_method_names()) options.methods.emplace_back(method);
   options.keep_connectivity = true;  // as the paper's mesh
   options.threads = context.options.threads;
   options.force = true;  // the experiments' folder was checked already
@@ -80,10 +80,12 @@ Table method_table(const RunSummary& run) {
           "there. Slip: RMS tangential difference to the material velocity over the RMS tangential material "
           "speed. Rotation: about the scene's axis, of the largest piece's least-squares rigid motion over "
           "the material's (pieces.csv has every piece). Tracer distance: from a vertex to the material that "
-          "it started on, in sigma, when the mesh stops being sound and at the end.",
+          "it started on, in sigma, when the mesh stops being sound and at the end. Texture distance: of the "
+          "rest position from where the material began, at the end, for meshes that are new in every frame "
+          "too.",
           100 * kSoundFolded, 100 * kSoundVolume),
-      {"method", "sound until [s]", "slip", "rotation captured", "tracer distance", "quality, mean at end",
-       "folded at end", "volume at end"},
+      {"method", "sound until [s]", "slip", "rotation captured", "tracer distance", "texture distance",
+       "quality, mean at end", "folded at end", "volume at end"},
       {}};
   for (const MethodSummary& method : run.methods) {
     const std::size_t n = sound_frames(run, method);
@@ -96,7 +98,8 @@ Table method_table(const RunSummary& run) {
         {method.name, n == 0 ? "never" : fmt::format("{:.2f}", run.frames[n - 1].time),
          both(&SurfaceMetrics::slip), both(&SurfaceMetrics::rotation_captured),
          fmt::format("{}, {}", n == 0 ? "-" : text(all[n - 1].tracer_distance), text(last.tracer_distance)),
-         fmt::format("{:.3f}", last.quality.mean), fmt::format("{:.2f} %", 100 * last.folded_fraction),
+         text(last.texture_distance), fmt::format("{:.3f}", last.quality.mean),
+         fmt::format("{:.2f} %", 100 * last.folded_fraction),
          fmt::format("{:+.2f} %",
                      100 * (last.size.volume / run.frames.back().isosurface.value().volume - 1))});
   }
@@ -172,7 +175,7 @@ Table beside_fig9(const RunSummary& run, const Followed& total, const Followed& 
       "Fig. 9", {{"liquid", "viscous, simulated with SPH; slides and rolls down a staircase",
                   fmt::format("the same, {} particles, {:.3g} s", run.frames.front().particles,
                               run.frames.back().time)},
-                 {"methods", "total velocity and curvature invariance (Eq. 10)", "these and five others"},
+                 {"methods", "total velocity and curvature invariance (Eq. 10)", "these and seven others"},
                  {"curvature invariance", "follows the rolling of the liquid", medians(curvature)},
                  {"total velocity", "does not", medians(total)},
                  {"shown by", "pictures", "pictures, and these numbers"}});

@@ -124,8 +124,8 @@ std::vector<Problem> make_problems(const ProblemOptions& options, const Experime
   scene.surface.methods = {"curvature"};
   Simulation flow(prepare(scene));
   flow.advance(options.flow_time, [](const FluidStep&) { return true; });
-  problems.push_back(make_problem("staircase-small", options.flow_damping, flow.field(),
-                                  flow.trackers().front().mesh().position));
+  problems.push_back(
+      make_problem("staircase-small", options.flow_damping, flow.field(), flow.surfaces().mesh().position));
   return problems;
 }
 

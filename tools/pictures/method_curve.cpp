@@ -2,13 +2,13 @@
 
 #include <algorithm>
 
-#include "surface/motion/velocity_methods.h"
+#include "surface/tracker/surface_methods.h"
 
 namespace kappaflow {
 
 Curve method_curve(std::string_view method) {
-  const auto methods = velocity_methods();
-  const auto found = std::ranges::find(methods, method, &VelocityMethod::name);
+  const auto methods = surface_methods();
+  const auto found = std::ranges::find(methods, method, &NamedSurfaceMethod::name);
   return {std::string(method), {}, Look::line, static_cast<int>(found - methods.begin())};
 }
 

@@ -12,7 +12,7 @@
 
 #include "core/errors.h"
 #include "core/version.h"
-#include "surface/motion/velocity_methods.h"
+#include "surface/tracker/surface_methods.h"
 #include "tools/io/binary.h"
 #include "tools/io/files.h"
 #include "tools/io/surface_file.h"
@@ -119,7 +119,7 @@ Json::Value methods_json(const std::vector<std::string>& methods) {
   for (const std::string& name : methods) {
     Json::Value json;
     json["name"] = name;
-    for (const VelocityMethod& method : velocity_methods())
+    for (const NamedSurfaceMethod& method : surface_methods())
       if (method.name == name) json["summary"] = std::string(method.summary);
     list.append(json);
   }

@@ -66,6 +66,7 @@ FrameWriter::FrameWriter(FrameSource& source, const OutputDescription& output,
                             output.checker_size * surfaces_.field_options().sigma);
   if (output.rest_interval > 0) rest_pair_.emplace(source.surfaces(), output.rest_interval);
   last_frame_.assign(methods_.size(), {mesh.next_id, mesh.vertex_count()});
+  traced_.resize(methods_.size());
   if (const std::vector<TriangleSurface> walls = source.walls_at_start();
       !walls.empty() && !source.walls_move())
     folder.write_boundary(boundary_data(walls));
@@ -137,12 +138,23 @@ SurfaceMetrics FrameWriter::write_surface(const FrameMetrics& frame, std::size_t
   metrics.regions_replaced = since_frame.topology.replaced;
   metrics.regions_refused = since_frame.topology.refused;
   metrics.vertices_replaced = since_frame.topology.vertices_lost;
-  if (is_judged(frame.frame))
-    metrics.tracer_distance = tracer_distance(mesh, tracers_, surfaces_.field_options().sigma);
+  measure_texture(frame.frame, m, metrics);
   metrics.kept_fraction = kept_share(mesh, first_);
   metrics.kept_since_frame = kept_share(mesh, last_frame_[m]);
   last_frame_[m] = {mesh.next_id, mesh.vertex_count()};
   return metrics;
+}
+
+/// The flicker of a judged frame takes the texture of the frame before it too.
+void FrameWriter::measure_texture(int frame, std::size_t m, SurfaceMetrics& metrics) {
+  const double sigma = surfaces_.field_options().sigma;
+  const TracedTexture before = std::exchange(traced_[m], {});
+  if (is_judged(frame) || is_judged(frame + 1))
+    traced_[m] = traced_texture(surfaces_.mesh(m), tracers_, sigma);
+  if (!is_judged(frame)) return;
+  metrics.tracer_distance = tracer_distance(surfaces_.mesh(m), tracers_, sigma);
+  metrics.texture_distance = texture_distance(traced_[m], tracers_, sigma);
+  metrics.texture_flicker = texture_flicker(before, traced_[m], sigma);
 }
 
 vtkSmartPointer<vtkPolyData> FrameWriter::file_data(const FrameMetrics& frame, std::size_t m,

@@ -8,6 +8,7 @@
 
 #include "scenes/scene.h"
 #include "surface/measure/texture.h"
+#include "surface/measure/traced_texture.h"
 #include "surface/tracker/rest_pair.h"
 #include "tools/runs/frame_export.h"
 #include "tools/runs/frame_source.h"
@@ -31,7 +32,7 @@ class FrameWriter {
   /// See core/saved_state.h.
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(last_frame_);
+    archive(last_frame_, traced_);
     if (rest_pair_) archive(*rest_pair_);
   }
 
@@ -51,6 +52,7 @@ class FrameWriter {
   void write_liquid(const FrameReport& report);
   SurfaceMetrics write_surface(const FrameMetrics& frame, std::size_t m, const TrackerStep& since_frame);
   bool is_judged(int frame) const;
+  void measure_texture(int frame, std::size_t m, SurfaceMetrics& metrics);
   vtkSmartPointer<vtkPolyData> file_data(const FrameMetrics& frame, std::size_t m, const SurfaceState& state,
                                          std::span<const Vec2> texture) const;
   void write_mesh(const FrameMetrics& frame, std::size_t m, const SurfaceState& state);
@@ -66,7 +68,8 @@ class FrameWriter {
   Bounds initial_box_;  // of the first mesh
   Checker checker_;
   std::optional<RestPair> rest_pair_;
-  std::vector<Earlier> last_frame_;  // the meshes at the last frame, one entry a method
+  std::vector<Earlier> last_frame_;    // the meshes at the last frame, one entry a method
+  std::vector<TracedTexture> traced_;  // likewise, where that frame or the next one is judged
 };
 
 }  // namespace kappaflow

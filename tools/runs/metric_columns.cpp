@@ -190,6 +190,14 @@ constexpr MetricColumn kColumns[] = {
     of_surface<&Surface::texture, &TextureJumps::cracks>("texture_cracks", "1", Better::lower,
                                                          "share of the edges where that jump is above 1: "
                                                          "the texture is folded, torn or smeared"),
+    of_surface<&Surface::texture_distance>(
+        "texture_distance", "sigma", Better::lower,
+        "mean distance of `rest_position`, at the points of the mesh nearest to the material tracers, from "
+        "where these started: for surfaces of any kind"),
+    of_surface<&Surface::texture_flicker>(
+        "texture_flicker", "sigma", Better::lower,
+        "mean change of `rest_position` there since the last frame: 0 where the texture sticks to the "
+        "material"),
     of_surface<&Surface::kept_since_frame>("kept_since_frame", "1", Better::higher,
                                            "share of the last frame's vertices that are still there"),
     of_surface<&Surface::judgement, &Judgement::surface_without_mesh>(

@@ -61,6 +61,7 @@ Json::Value common_record(const std::vector<std::string>& command, int threads,
   record["seed"] = Json::Value();  // null: nothing in a run is random
   record["threads"] = threads;
   record["methods"] = list(surface.methods);
+  record["anchor"] = std::string(name_of(kAnchors, surface.anchor));
   record["sigma"] = field.sigma;
   record["threshold"] = field.threshold;
   record["threshold_rule"] = surface.threshold ? "number" : "auto";

@@ -32,9 +32,8 @@ bool SequenceFrames::advance(int /*frame*/, const Watch& watch) {
     return watch(detail);
   });
   if (!arrived) return false;
-  surfaces_.settle();
+  surfaces_.settle(next_.source);
   now_ = std::move(next_);
-  surfaces_.find_sources(now_.source);
   return true;
 }
 

@@ -8,7 +8,6 @@
 #include "core/stopwatch.h"
 #include "core/whole_within.h"
 #include "scenes/shapes.h"
-#include "surface/motion/velocity_methods.h"
 
 namespace kappaflow {
 namespace {
@@ -35,7 +34,7 @@ std::vector<Vec3> mostly_interior_lattice(const Scene& scene) {
 SurfaceOptions surface_options(const Scene& scene) {
   SurfaceOptions options = scene.surface;
   options.spacing = scene.fluid.spacing;
-  options.velocities = velocity_functions(scene.surface.methods);
+  options.velocities = surface_methods_named(scene.surface.methods);
   options.motion_per_step = kInfinity;
   options.name = scene.file.string();
   if (!scene.fluid.emitters.empty())
@@ -80,8 +79,7 @@ bool Simulation::advance(double time, const Watch& watch) {
       step_surfaces(std::move(now));
     if (!watch(step) && time - fluid_.time() > kTimeTolerance) return false;
   }
-  surfaces_.settle();
-  surfaces_.find_sources(fluid_.sources(), flows_in_);
+  surfaces_.settle(fluid_.sources(), flows_in_);
   return true;
 }
 

@@ -52,7 +52,6 @@ class Simulation {
   TrackedSurfaces& surfaces() { return surfaces_; }
   const MaterialTracers& tracers() const { return tracers_; }
   const Field& field() const { return surfaces_.field(); }
-  const std::vector<SurfaceTracker>& trackers() const { return surfaces_.trackers(); }
   const std::vector<SolidWall>& walls() const { return walls_; }
 
   /// What happened since the last call; the next one starts anew.

@@ -54,7 +54,7 @@ std::string run_lines(const RunSummary& s, const std::string& title, const Parti
 std::string time_line(const RunSummary& s) {
   double tracking = 0, output = s.shared_output_seconds;
   for (const MethodSummary& m : s.methods) {
-    tracking += m.seconds.velocity + m.seconds.fairing + m.seconds.topology + m.seconds.remesh;
+    tracking += m.seconds.surface();
     output += m.seconds.output - s.shared_output_seconds;
   }
   const double solver = s.methods.front().seconds.solver;
@@ -100,6 +100,7 @@ void MethodSummary::add_frame(const std::string& method, const SurfaceMetrics& m
   seconds.fairing += frame_seconds.fairing;
   seconds.topology += frame_seconds.topology;
   seconds.remesh += frame_seconds.remesh;
+  seconds.texture += frame_seconds.texture;
   seconds.output += frame_seconds.output;
 }
 

@@ -13,6 +13,7 @@ PhaseSeconds phase_seconds(const TrackerStep& steps, double solver, double outpu
           .fairing = steps.fairing_seconds,
           .topology = steps.topology_seconds,
           .remesh = steps.remesh_seconds,
+          .texture = steps.texture_seconds,
           .output = output};
 }
 
@@ -24,14 +25,16 @@ double resident_memory() {
 }
 
 std::string timings_header() {
-  return "frame,time,method,solver_ms,velocity_ms,fairing_ms,topology_ms,remesh_ms,output_ms,memory_mib\n";
+  return "frame,time,method,solver_ms,velocity_ms,fairing_ms,topology_ms,remesh_ms,texture_ms,output_ms,"
+         "memory_mib\n";
 }
 
 std::string timings_row(int frame, double time, const std::string& method, const PhaseSeconds& seconds,
                         double memory) {
-  return fmt::format("{},{:.12g},{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.1f}\n", frame, time, method,
-                     1e3 * seconds.solver, 1e3 * seconds.velocity, 1e3 * seconds.fairing,
-                     1e3 * seconds.topology, 1e3 * seconds.remesh, 1e3 * seconds.output, memory);
+  return fmt::format("{},{:.12g},{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.1f}\n", frame, time,
+                     method, 1e3 * seconds.solver, 1e3 * seconds.velocity, 1e3 * seconds.fairing,
+                     1e3 * seconds.topology, 1e3 * seconds.remesh, 1e3 * seconds.texture,
+                     1e3 * seconds.output, memory);
 }
 
 }  // namespace kappaflow

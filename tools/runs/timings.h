@@ -14,9 +14,13 @@ struct PhaseSeconds {
   double solver = 0;    ///< the liquid; the same for every method
   double velocity = 0;  ///< velocities and advection
   double fairing = 0;   ///< fairing and projection
-  double topology = 0;  ///< changes of the mesh's topology
+  double topology = 0;  ///< changes of the mesh's topology, or a fresh mesh
   double remesh = 0;    ///< edits of the mesh
+  double texture = 0;   ///< textures that no vertex carries along
   double output = 0;    ///< metrics and files
+
+  /// Of the surface alone.
+  double surface() const { return velocity + fairing + topology + remesh + texture; }
 };
 
 /// Those of a surface's steps, and what else there is to say.

@@ -8,7 +8,6 @@
 
 #include "core/errors.h"
 #include "surface/measure/surface_motion.h"
-#include "surface/motion/velocity_methods.h"
 #include "tools/io/particle_sequence.h"
 #include "tools/runs/progress.h"
 #include "tools/runs/run_driver.h"
@@ -48,6 +47,15 @@ double measured_spacing(const ParticleSequence& sequence, const Particles& first
   }
 }
 
+/// Throws InvalidInput where textures are to come from particles that cannot be told apart.
+void require_ids(const SurfaceDescription& surface, const ParticleSequence& sequence) {
+  const bool is_anchored = surface.anchor == Anchor::particles;
+  if (sequence.matched() || (!is_anchored && std::ranges::count(surface.methods, "fresh-particles") == 0))
+    return;
+  throw InvalidInput(fmt::format("{}: {} takes particles with ids that say which is which", sequence.name(),
+                                 is_anchored ? "--anchor particles" : "the method \"fresh-particles\""));
+}
+
 TrackSetup make_setup(const TrackOptions& options, const ParticleSequence& sequence, const Particles& first) {
   TrackSetup setup;
   SurfaceDescription& surface = setup.surface;
@@ -64,9 +72,11 @@ TrackSetup make_setup(const TrackOptions& options, const ParticleSequence& seque
     throw InvalidInput(fmt::format(
         "{}: the velocity \"material\" takes particles with velocities or ids; these have neither",
         sequence.name()));
+  surface.anchor = options.anchor;
+  require_ids(surface, sequence);
   surface.spacing = options.sigma ? 1 : setup.spacing;
   surface.is_cloud = is_cloud;
-  surface.velocities = velocity_functions(surface.methods);
+  surface.velocities = surface_methods_named(surface.methods);
   surface.name = sequence.name();
   setup.field = field_options(surface, first.position, first.scale);
   surface.edge_length = options.edge_length ? *options.edge_length / setup.field.sigma : kEdgeLength;

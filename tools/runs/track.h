@@ -9,6 +9,7 @@
 #include "core/saved_state.h"
 #include "surface/field/particle_weights.h"
 #include "surface/measure/texture.h"
+#include "surface/tracker/surface_methods.h"
 #include "tools/io/file_series.h"
 #include "tools/io/mesh_formats.h"
 
@@ -29,6 +30,7 @@ struct TrackOptions {
   std::optional<double> edge_length;   ///< of the mesh where it is flat [m]; empty: a quarter of sigma
   std::optional<double> checker_edge;  ///< of the checker's cubes [m]; empty: OutputDescription's
   TextureProjection texture = TextureProjection::box;
+  Anchor anchor = Anchor::none;     ///< see SurfaceOptions
   int rest_interval = 0;            ///< see OutputDescription
   int metrics_interval = 10;        ///< see OutputDescription
   std::vector<MeshFormat> formats;  ///< of files for other programs, beside .vtp
@@ -41,7 +43,7 @@ struct TrackOptions {
   template <class Archive>
   void serialize(Archive& archive) {
     archive(range, methods, frames_per_second, sigma, threshold, weights, edge_length, checker_edge, texture,
-            rest_interval, metrics_interval, formats);
+            anchor, rest_interval, metrics_interval, formats);
   }
 };
 

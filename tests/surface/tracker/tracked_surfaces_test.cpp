@@ -125,7 +125,7 @@ TEST(TrackedSurfaces, AreTheTrackersThatTheyHold) {
 
   const ParticleFieldOptions field{.sigma = 2 * kSpacing, .threshold = 2};
   for (std::size_t m = 0; m < 2; ++m) {
-    const TrackerOptions by_hand{.method = options.velocities[m],
+    const TrackerOptions by_hand{.method = std::get<VelocityFunction>(options.velocities[m]),
                                  .remeshing = {.edge_length = 0.5 * field.sigma},
                                  .topology = {.follows_field = true}};
     ParticleMotion motion(ball(0), ball(0.24), field);

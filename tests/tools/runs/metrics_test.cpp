@@ -17,7 +17,8 @@ TEST(MetricsTable, HasTheDocumentedColumns) {
       "viscosity_error,vertices,triangles,residual_max,quality_min,quality_mean,area,volume,isosurface_"
       "volume,slip,rotation_captured,"
       "tracer_distance,components,genus,isosurface_components,isosurface_genus,kept_fraction,unprojected,"
-      "folded_fraction,angles_outside,self_intersections,texture_jump,texture_cracks,kept_since_frame,"
+      "folded_fraction,angles_outside,self_intersections,texture_jump,texture_cracks,texture_distance,"
+      "texture_flicker,kept_since_frame,"
       "surface_without_mesh,mesh_without_surface,regions_replaced,regions_refused,"
       "components_on_lattice,genus_on_lattice,vertices_replaced\n");
 }
@@ -43,7 +44,7 @@ TEST(MetricsTable, RowMatchesTheHeader) {
   EXPECT_EQ(
       metrics_row({frame, "total", surface}),
       "7,0.28,total,1000,0.25,0.333333333333,0.02,0.5,12,20,1e-05,0.5,0.9,3.5,0.625,0.75,,0.875,,1,4,2,3,1,"
-      "5,0,0.125,6,0.5,0.25,0.875,1.5,2.5,8,9,10,11,13\n");
+      "5,0,0.125,6,0.5,0.25,,,0.875,1.5,2.5,8,9,10,11,13\n");
   EXPECT_EQ(split(metrics_row({frame, "total", surface}), ',').size(), split(metrics_header(), ',').size());
 }
 
@@ -58,7 +59,8 @@ TEST(MetricsTable, WhatIsNotJudgedStaysEmpty) {
   EXPECT_EQ(empty,
             "penetration_max density_error_mean density_error_max viscosity_error isosurface_volume slip "
             "rotation_captured tracer_distance isosurface_components isosurface_genus self_intersections "
-            "surface_without_mesh mesh_without_surface components_on_lattice genus_on_lattice ");
+            "texture_distance texture_flicker surface_without_mesh mesh_without_surface "
+            "components_on_lattice genus_on_lattice ");
   MetricsRow read;
   for (std::size_t c = 0; c < metric_columns().size(); ++c) {
     EXPECT_EQ(cells[c].empty(), cells[c].empty() && std::isnan(metric_columns()[c].number(row)));
@@ -100,7 +102,7 @@ class MetricsFile : public Scratch {};
 
 TEST_F(MetricsFile, IsReadBackToItsDigits) {
   const std::string first = "0,0,total,8,,,,,1,2,3.5,4.5,5.5,6.5,7.5,8.5,,,,9,10,11,12,13.5,14,15.5,16.5,17,",
-                    rest = "18.5,19.5,20.5,21.5,22.5,23,24,25,26,27\n",
+                    rest = "18.5,19.5,19.625,19.75,20.5,21.5,22.5,23,24,25,26,27\n",
                     second =
                         "1,0.04,normal,8,0.25,1e-05,0.5,0.9,1,2,3.5,4.5,5.5,6.5,7.5,8.5,0.1,0.2,0.3,9,10,11,"
                         "12,13.5,14,15.5,16.5,17,";

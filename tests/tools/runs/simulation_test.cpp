@@ -23,8 +23,8 @@ void expect_same(const Simulation& one, const Simulation& other) {
   EXPECT_EQ(one.particles().velocity, other.particles().velocity);
   EXPECT_TRUE(std::ranges::equal(one.tracers().position(), other.tracers().position()));
   EXPECT_TRUE(std::ranges::equal(one.tracers().lost(), other.tracers().lost()));
-  for (std::size_t m = 0; m < one.trackers().size(); ++m) {
-    const TriangleMesh &a = one.trackers()[m].mesh(), &b = other.trackers()[m].mesh();
+  for (std::size_t m = 0; m < one.surfaces().count(); ++m) {
+    const TriangleMesh &a = one.surfaces().mesh(m), &b = other.surfaces().mesh(m);
     EXPECT_EQ(a.position, b.position);
     EXPECT_EQ(a.rest_position, b.rest_position);
     EXPECT_EQ(a.source, b.source);
@@ -91,7 +91,7 @@ std::size_t of_nearest_particle(const Simulation& simulation, const TriangleMesh
 
 TEST_F(Simulations, VerticesHaveTheSourceOfTheNearestParticle) {
   Simulation simulation(prepare(parse_scene(kEverythingScene, "everything.toml")));
-  const TriangleMesh& mesh = simulation.trackers()[1].mesh();
+  const TriangleMesh& mesh = simulation.surfaces().mesh(1);
   EXPECT_EQ(of_nearest_particle(simulation, mesh), mesh.vertex_count());
   EXPECT_EQ(std::set<int>(mesh.source.begin(), mesh.source.end()), (std::set{0, 1}));
   // The second emitter, number 2, starts at 0.02 s, and its stream is born without parents.

@@ -45,6 +45,44 @@ TEST_F(Track, OptionsOfTheMeshAndOfTheFilesAreFollowed) {
             "--edge: found 0.6 m; expected 0.01 to 0.4 m, which is 0.05 to 2 sigma");
 }
 
+TEST_F(Track, WithIdsTexturesComeFromTheParticles) {
+  write_sequence("csv", kBodyMotion, 0.1, [](const Particles& p, int) { return csv_text(p, true, true); });
+  TrackOptions o = options("p_*.csv", {"normal", "fresh-nearest", "fresh-particles"});
+  o.edge_length = 0.25 * kSigma;
+  o.anchor = Anchor::particles;
+  o.metrics_interval = 1;
+  ASSERT_EQ(track(o), 0);
+  const auto rows = read_table(folder / "out/metrics.csv");
+  const auto last = [&](std::size_t method, const char* column) {
+    return rows[rows.size() - 3 + method].at(column);
+  };
+  for (const std::size_t exact : {0, 2}) {
+    EXPECT_LT(std::stod(last(exact, "texture_distance")), 0.02);
+    EXPECT_LT(std::stod(last(exact, "texture_flicker")), 0.02);
+  }
+  EXPECT_GT(std::stod(last(1, "texture_distance")), 0.5) << "the body has turned";
+  EXPECT_GT(std::stod(last(1, "texture_flicker")), 0.1);
+  EXPECT_GT(std::stod(last(0, "kept_fraction")), 0.3);
+  for (const std::size_t fresh : {1, 2}) {
+    EXPECT_EQ(last(fresh, "kept_since_frame"), "0");
+    for (const char* column : {"slip", "rotation_captured", "tracer_distance"})
+      EXPECT_EQ(last(fresh, column), "") << column;
+    EXPECT_EQ(last(fresh, "components"), "1");
+  }
+}
+
+TEST_F(Track, TexturesFromParticlesAreRefusedWithoutIds) {
+  write_sequence("csv", kBodyMotion, 0.1, [](const Particles& p, int) { return csv_text(p, false, true); });
+  TrackOptions o = options("p_*.csv", {"regional", "fresh-particles"});
+  EXPECT_EQ(message_of<InvalidInput>([&] { track(o); }),
+            "p: the method \"fresh-particles\" takes particles with ids that say which is which");
+  o.methods = {"regional"};
+  o.anchor = Anchor::particles;
+  EXPECT_EQ(message_of<InvalidInput>([&] { track(o); }),
+            "p: --anchor particles takes particles with ids that say which is which");
+  EXPECT_FALSE(fs::exists(folder / "out"));
+}
+
 /// Two blocks of which one is twice as coarse as the other: without radii it has no surface.
 TEST_F(Track, ParticlesOfTwoSizesEachHaveTheirSurface) {
   const auto body = [](int k, bool radii) {

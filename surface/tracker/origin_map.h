@@ -1,0 +1,77 @@
+// Where the liquid at a place has come from, by the particles around.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/cell_grid.h"
+#include "core/particles.h"
+
+namespace kappaflow {
+
+/// Where liquid has come from.
+struct Origin {
+  Vec3 position;  ///< [m]
+  int source;     ///< its block or emitter, or kUnknownSource
+};
+
+/// The origins of particles, interpolated to any place x by affine moving least squares with the field's
+/// kernel, w_i = (1 - |x_i - x|^2/sigma_i^2)^3: of the minimum over a, B of
+///   sum_i w_i |X_i - x - R (x_i - x) - a - B (x_i - x)/sigma|^2 + 0.001 sum_i w_i |B|^2,
+/// with X_i the origin of particle i and R the rotation that alone comes nearest, the origin at x is x + a.
+/// One side of the particles votes: those of one source whose origins are joined by a chain of others in
+/// reach of x, each within two sigma of the next.
+class OriginMap {
+ public:
+  /// origin: one a particle [m]; source: likewise, or empty; sigma: of particles of scale 1 [m].
+  OriginMap(const Particles& particles, std::span<const Vec3> origin, std::span<const int> source,
+            double sigma);
+
+  struct Voter {
+    Vec3 offset;  ///< x_i - x [m]
+    Vec3 origin;  ///< X_i [m]
+    double weight;
+    int source, side;
+  };
+  struct Side {
+    double weight;  ///< of its voters
+    int source;
+  };
+  /// Those in reach of a place; memory that is used again.
+  struct Voters {
+    std::vector<Voter> all;
+    std::vector<Side> sides;
+    std::vector<std::size_t> front;
+  };
+
+  /// By the side that weighs most, the first of them if several; nullopt where nothing is in reach. May be
+  /// called from many threads, each with voters of its own.
+  std::optional<Origin> at(const Vec3& x, Voters& voters) const;
+  /// By the side whose origin is nearest to `own`, of those of own.source where that is known; nullopt where
+  /// that side weighs less than a tenth of all.
+  std::optional<Origin> at(const Vec3& x, const Origin& own, Voters& voters) const;
+
+ private:
+  void find_sides(const Vec3& x, Voters& voters) const;
+
+  CellGrid grid_;
+  std::vector<Vec3> position_, origin_;  // in the grid's order, as all here
+  std::vector<double> inverse_sigma2_;
+  std::vector<int> source_;
+  double sigma_, reach_ = 0;
+};
+
+/// Calls visit(i, voters) for i in [0, n), in parallel, with memory for OriginMap::at().
+template <class Visit>
+void for_each_with_voters(std::size_t n, const Visit& visit) {
+  constexpr std::size_t kBlock = 64;  // that share their memory
+  parallel_for((n + kBlock - 1) / kBlock,
+               [&](std::size_t b) {
+                 OriginMap::Voters voters;
+                 for (std::size_t i = b * kBlock; i < std::min(n, (b + 1) * kBlock); ++i) visit(i, voters);
+               },
+               1);
+}
+
+}  // namespace kappaflow
