@@ -423,7 +423,7 @@ TEST(Topology, SameBitsForAnyNumberOfThreads) {
       return std::vector<Vec3>{{-0.7 + t, 0, 0}, {0.7 - t, 0.2, 0}, {0, 1.3 - t, 0.1}};
     });
     TrackedRun run(particles, 0.3);
-    std::ranges::transform(run.tracker.mesh().position, run.tracker.source().begin(), [](const Vec3& x) {
+    std::ranges::transform(run.tracker.mesh().position, run.tracker.mesh().source.begin(), [](const Vec3& x) {
       return x[0] < -0.3 ? 0 : x[0] > 0.3 ? 1 : 2;
     });
     run.advance(16, 0.02);
