@@ -194,6 +194,7 @@ TEST(GoodScenes, EverySurfaceAndOutputKeyArrives) {
   EXPECT_EQ(surface.threshold, 0.5);
   EXPECT_EQ(surface.edge_length, 0.4);
   EXPECT_EQ(surface.methods, (std::vector<std::string>{"material", "total"}));
+  EXPECT_EQ(surface.anchor, Anchor::particles);
   EXPECT_EQ(surface.motion_per_step, 0.35);
   EXPECT_EQ(surface.tracker.integrator, TimeIntegrator::rk4);
   EXPECT_EQ(surface.tracker.velocity.damping, 0.2);
