@@ -10,7 +10,7 @@
 
 namespace kappaflow {
 
-class SceneFrames final : public FrameSource {
+class SceneFrames : public FrameSource {
  public:
   /// As Simulation.
   explicit SceneFrames(PreparedScene prepared);

@@ -347,43 +347,5 @@ TEST_F(Failing, PressureSolverThatDoesNotConverge) {
       "raise max_pressure_iterations");
 }
 
-// Drops that part for ever need a lattice for ever larger.
-constexpr const char* kPartingDrops = R"(title = "Two drops that part"
-duration = 1.0
-[fluid]
-spacing = 0.08
-kinematic_viscosity = 1.0
-gravity = [0.0, 0.0, 0.0]
-[[fluid.block]]
-shape = "box"
-lower = [0.0, 0.0, 0.0]
-upper = [0.24, 0.24, 0.24]
-velocity = [60.0, 60.0, 60.0]
-[[fluid.block]]
-shape = "box"
-lower = [-0.3, -0.3, -0.3]
-upper = [-0.06, -0.06, -0.06]
-[solver]
-cfl = 1.0
-[surface]
-methods = ["normal"]
-motion_per_step = 1e5
-[output]
-frames_per_second = 1.0
-)";
-
-TEST_F(Reliability, SurfaceThatFailsSaysWhenAndLeavesTheParticles) {
-  const fs::path out = folder / "run";
-  const ProgramResult result =
-      run_program({"run", file("parting.toml", kPartingDrops).string(), "--out", out.string()});
-  EXPECT_EQ(result.exit_code, 2);
-  EXPECT_TRUE(result.err.starts_with("kappaflow: error: the surfaces failed at t = 1 s, step "))
-      << result.err;
-  EXPECT_TRUE(result.err.ends_with("; its particles are in " + (out / "failure.vtp").string() + "\n"))
-      << result.err;
-  EXPECT_EQ(std::ranges::count(result.err, '\n'), 1) << result.err;
-  EXPECT_EQ(read_vtp(out / "failure.vtp")->GetNumberOfPoints(), 2 * 27);
-}
-
 }  // namespace
 }  // namespace kappaflow

@@ -1,7 +1,16 @@
 #include "tools/runs/run.h"
 
+#include <fmt/format.h>
+#include <vtkPolyData.h>
+
+#include "core/errors.h"
+#include "scenes/scene.h"
 #include "tests/open_counter.h"
 #include "tests/tools/scratch.h"
+#include "tools/io/vtp_files.h"
+#include "tools/runs/run_driver.h"
+#include "tools/runs/run_folder.h"
+#include "tools/runs/scene_frames.h"
 
 namespace kappaflow {
 namespace {
@@ -35,6 +44,49 @@ frames_per_second = 50.0
   EXPECT_EQ(run_scene(options).frames.size(), 2u);
   EXPECT_EQ(scene_opened.count(), 1);
   EXPECT_EQ(mesh_opened.count(), 1);
+}
+
+/// A liquid whose surfaces fail on the way to the first frame.
+class FailingFrames final : public SceneFrames {
+ public:
+  using SceneFrames::SceneFrames;
+  bool advance(int frame, const Watch& watch) override {
+    SceneFrames::advance(frame, watch);
+    throw InvalidInput("there is no surface");
+  }
+};
+
+TEST_F(RunScene, SurfacesThatFailSayWhenAndLeaveTheParticles) {
+  const Scene scene = load_scene(file("cube.toml", R"(duration = 0.02
+[fluid]
+spacing = 0.1
+kinematic_viscosity = 1.0
+[[fluid.block]]
+shape = "box"
+lower = [0.0, 0.0, 0.0]
+upper = [0.3, 0.3, 0.3]
+[output]
+frames_per_second = 50.0
+)"));
+  FailingFrames frames(prepare(scene));
+  const std::filesystem::path out = folder / "out";
+  RunFolder run(out, scene.surface.methods, false);
+  RunDriver driver(frames, run,
+                   {.command = "run",
+                    .title = {},
+                    .output = scene.output,
+                    .methods = scene.surface.methods,
+                    .formats = {},
+                    .quiet = true,
+                    .save_beginning = [](StateWriter&) {}},
+                   Stopwatch());
+  driver.start();
+  const std::string message = message_of<Error>([&] { driver.advance(InterruptGuard()); });
+  EXPECT_EQ(
+      message,
+      fmt::format("the surfaces failed at t = 0.02 s, step {}: there is no surface; its particles are in {}",
+                  frames.steps(), (out / "failure.vtp").string()));
+  EXPECT_EQ(read_vtp(out / "failure.vtp")->GetNumberOfPoints(), 27);
 }
 
 }  // namespace
