@@ -43,8 +43,10 @@ constexpr double kSolverSecondsPerParticleStep = 1.4e-6;
 constexpr double kSecondsPerViscousIteration = 0.11e-6;  // and particle
 constexpr double kSecondsPerFairing = 0.3e-6;            // a vertex and step: projection
 constexpr double kSecondsPerFairingIteration = 0.32e-6;  // and relaxation
-constexpr double kSecondsPerRemeshing = 1.2e-6;   // likewise: remeshing, and looking for changes of topology
-constexpr double kSecondsPerRegionVertex = 4e-6;  // to replace a region of a mesh of so many vertices
+constexpr double kSecondsPerRemeshing = 1.2e-6;  // likewise: remeshing, and looking for changes of topology
+constexpr double kSecondsPerRegionVertex = 0.8e-6;  // to replace a region of a mesh of so many vertices
+constexpr double kSecondsPerFreshVertex =
+    8e-6;  // a frame: meshing it anew, and where its liquid has come from
 constexpr double kOutputSecondsPerParticle = 2e-6;  // a frame
 constexpr double kOutputSecondsPerVertex = 20e-6;   // a frame and method, measures included
 constexpr double kParallelShare = 0.9;              // of all but output (Amdahl 1967)
@@ -53,7 +55,7 @@ constexpr int kMostSpans = 10000;                   // of time that are looked a
 /// Seconds of a velocity at a vertex.
 constexpr Named<double> kVelocitySeconds[] = {
     {"normal", 0.35e-6},         {"total", 0.35e-6},   {"curvature", 0.6e-6}, {"curvature-only", 0.6e-6},
-    {"curvature-first", 0.6e-6}, {"material", 0.7e-6}, {"regional", 3.7e-6}};
+    {"curvature-first", 0.6e-6}, {"material", 0.7e-6}, {"regional", 1.8e-6}};
 
 // The flow. The fastest particle of liquid that runs down somewhere has about this share of the largest speed
 // that free fall allows, in the mean; a stream falls all the time; torn liquid squirts.
@@ -271,15 +273,20 @@ double velocity_seconds(const Scene& scene, std::string_view method) {
   return 1e-6;
 }
 
-/// A step of all surfaces at a vertex.
+bool is_tracked(std::string_view method) {
+  return !method.starts_with("fresh-");
+}
+
+/// A step of all tracked surfaces at a vertex.
 double tracker_seconds_per_vertex(const Scene& scene) {
   const TrackerOptions& tracker = scene.surface.tracker;
   const double fairing = (kSecondsPerFairing + tracker.fairing.iterations * kSecondsPerFairingIteration) *
                          std::sqrt(neighbourhood(scene));
   double total = 0;
   for (const std::string& method : scene.surface.methods)
-    total += stages(tracker.integrator) * velocity_seconds(scene, method) + fairing +
-             (scene.surface.remesh ? kSecondsPerRemeshing : 0);
+    if (is_tracked(method))
+      total += stages(tracker.integrator) * velocity_seconds(scene, method) + fairing +
+               (scene.surface.remesh ? kSecondsPerRemeshing : 0);
   return total;
 }
 
@@ -311,6 +318,7 @@ void add_work(const Scene& scene, const FluidParticlesAtStart& start, const Flow
               SceneEstimate& result) {
   const double frame_time = 1 / scene.output.frames_per_second,
                methods = static_cast<double>(scene.surface.methods.size()),
+               tracked = static_cast<double>(std::ranges::count_if(scene.surface.methods, is_tracked)),
                first = smooth_vertices(0, scene, flow), vertex_step = tracker_seconds_per_vertex(scene);
   double shared = static_cast<double>(result.boundary_particles) * kSecondsPerBoundaryParticle +
                   first * kSecondsPerFirstVertex,
@@ -334,7 +342,8 @@ void add_work(const Scene& scene, const FluidParticlesAtStart& start, const Flow
               (kSolverSecondsPerParticleStep +
                viscous_iterations(lasting / steps, scene) * kSecondsPerViscousIteration);
     shared += tracker_steps * vertices * vertex_step +
-              methods * lasting * topology_seconds(smooth, torn, scene, flow);
+              tracked * lasting * topology_seconds(smooth, torn, scene, flow) +
+              (methods - tracked) * frames / spans * vertices * kSecondsPerFreshVertex;
     shared += tracker_steps * first * stages(scene.surface.tracker.integrator) *
               velocity_seconds(scene, "material");
     output += frames / spans *

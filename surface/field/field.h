@@ -19,9 +19,8 @@ struct Bounds {
 };
 
 /// Values of f on a block of a regular lattice: point (i, j, k) is origin + spacing (first_column + i,
-/// first_row
-/// + j, first_plane + k), index x-fastest. A point's value does not depend on which others are sampled with
-/// it.
+/// first_row + j, first_plane + k), index x-fastest. A point's value does not depend on which others are
+/// sampled with it.
 struct SampledField {
   Vec3 origin = Vec3::Zero();
   double spacing = 0;

@@ -101,9 +101,12 @@ std::vector<std::vector<Triangle>> triangles_in_rows(const SampledField& lattice
     const auto [first, last] = cubes_around(lattice, position, t, reach);
     for (int k = first[2]; k <= last[2]; ++k) {
       auto row = std::ranges::lower_bound(rows, std::array{k, first[1], -1});
-      for (; row != rows.end() && *row <= std::array{k, last[1], std::numeric_limits<int>::max()}; ++row)
-        if (std::vector<Triangle>& of_block = result[(*row)[2]]; of_block.empty() || of_block.back() != t)
+      for (; row != rows.end() && *row <= std::array{k, last[1], std::numeric_limits<int>::max()}; ++row) {
+        const int b = (*row)[2];
+        if (first[0] * kCubeCells > blocks[b].last[0]) continue;  // rows are crossed from their beginning on
+        if (std::vector<Triangle>& of_block = result[b]; of_block.empty() || of_block.back() != t)
           of_block.push_back(t);
+      }
     }
   }
   return result;

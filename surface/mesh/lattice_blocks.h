@@ -27,8 +27,8 @@ std::vector<LatticeBlock> blocks_of(const SampledField& lattice, std::vector<Lat
 std::vector<LatticeBlock> occupied_blocks(const Field& field, const SampledField& lattice,
                                           std::vector<LatticeCube> others = {});
 
-/// Of each block the triangles that reach into its planes and rows, whatever their columns, or come within
-/// `reach` cells of them; in their order.
+/// Of each block the triangles that reach into its planes and rows, or come within `reach` cells of them, but
+/// for those beyond its last column; in their order.
 std::vector<std::vector<Triangle>> triangles_in_rows(const SampledField& lattice,
                                                      std::span<const Vec3> position,
                                                      std::span<const Triangle> triangles,

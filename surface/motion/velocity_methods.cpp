@@ -22,7 +22,7 @@ std::span<const VelocityMethod> velocity_methods() {
       {"curvature-only", "keeps the curvatures K and H (Eqs. 7-8)", evaluate_curvature_only},
       {"curvature-first", "keeps the curvatures, and the normal where they leave it open",
        evaluate_curvature_first},
-      {"regional", "fits one affine motion to a neighbourhood of each point", evaluate_regional},
+      {"regional", "fits affine motions to the neighbourhoods of points", evaluate_regional},
       {"material", "follows the particles' velocities (moving least squares)", evaluate_material},
   }};
   return methods;

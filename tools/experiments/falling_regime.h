@@ -19,7 +19,7 @@ namespace kappaflow {
 struct FallingRegime {
   const char* name;
   double viscosity, gravity;  ///< kinematic [m2/s], [m/s2]
-  double from, duration;      ///< what is watched [s]
+  double from, duration;      ///< watched from, and until [s]
 };
 
 /// The scene with the regime's liquid.

@@ -73,8 +73,8 @@ FrameWriter::FrameWriter(FrameSource& source, const OutputDescription& output,
 }
 
 void FrameWriter::write(int frame, FrameSource& source, RunSummary& summary) {
-  folder_.wait();  // for the files of the frame before: no more than one is kept in memory
   const Stopwatch watch;
+  folder_.wait();  // for the files of the frame before: no more than one is kept in memory
   FrameReport report = source.take_report(frame);
   if (rest_pair_) rest_pair_->update(source.surfaces(), frame);
   FrameMetrics& metrics = report.metrics;
@@ -102,8 +102,8 @@ void FrameWriter::write(int frame, FrameSource& source, RunSummary& summary) {
     rows.timings += timings_row(metrics.frame, metrics.time, method, seconds, memory);
     summary.methods[m].add_frame(method, row.surface, seconds);
   }
-  folder_.finish_frame(metrics.time, rows);
   folder_.beside([to = export_, frame] { to->finish_frame(frame); });
+  folder_.finish_frame(metrics.time, rows);
   summary.add_frame(metrics, report.tracer_seconds, shared_seconds);
 }
 

@@ -152,6 +152,7 @@ RunFolder::RunFolder(fs::path folder) : folder_(std::move(folder)), lock_(folder
 }
 
 RunFolder::~RunFolder() {
+  start_work();
   if (last_work_.valid()) last_work_.wait();
   if (place_ != folder_) remove_beginning(folder_);
 }
@@ -171,14 +172,22 @@ void RunFolder::take_place() {
 }
 
 void RunFolder::beside(std::function<void()> work) {
-  last_work_ =
-      std::async(std::launch::async, [before = std::move(last_work_), work = std::move(work)]() mutable {
-        if (before.valid()) before.get();
-        work();
-      });
+  work_.push_back(std::move(work));
+}
+
+void RunFolder::start_work() {
+  if (work_.empty()) return;
+  auto in_turn = [before = last_work_, works = std::exchange(work_, {})]() mutable {
+    if (before.valid()) before.get();
+    before = {};
+    for (const std::function<void()>& work : works) work();
+    works.clear();  // and lets go of their data
+  };
+  last_work_ = std::async(std::launch::async, std::move(in_turn)).share();
 }
 
 void RunFolder::wait() {
+  start_work();
   if (last_work_.valid()) last_work_.get();
 }
 
@@ -241,6 +250,7 @@ void RunFolder::finish_frame(double time, const FrameRows& rows) {
       written_.insert(file);
     });
   }
+  start_work();
 }
 
 void RunFolder::flush() {
@@ -258,6 +268,7 @@ void RunFolder::write_checkpoint(std::string state) {
     flush();
     kappaflow::write_checkpoint(file, state);
   });
+  start_work();
 }
 
 std::vector<MetricsRow> RunFolder::metrics() const {

@@ -11,7 +11,6 @@
 #include <future>
 #include <set>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -35,9 +34,9 @@ struct FrameRows {
 ///   run.usda  boundary.usda  particles.usda  surface-<method>.usda, and .usda files in these folders
 /// Whatever is there under these names is complete and listed in the .pvd files, at any moment of the run.
 ///
-/// Files are written beside the computation, in the order of the calls: write_...() and finish_frame() return
-/// at once and keep their data until then. Where one cannot be written the rest is not either, and wait()
-/// says so.
+/// Files are written beside the computation, in the order of the calls: write_...() return at once and keep
+/// their data until the frame is finished. Where one cannot be written nothing is after it, and wait() says
+/// so.
 class RunFolder {
  public:
   /// Makes the folder and its tables. Throws InvalidInput when the folder already holds a run (a run.json, or
@@ -91,6 +90,7 @@ class RunFolder {
   }
 
  private:
+  void start_work();
   void write_data(const std::string& name, vtkSmartPointer<vtkPolyData> data);
   void write_text(const std::string& name, std::string text);
   void write_now(const std::filesystem::path& file, const std::string& text);
@@ -106,7 +106,8 @@ class RunFolder {
   std::array<std::uint64_t, 3> table_lines_{};  // of metrics, pieces and timings
   bool has_boundary_ = false, boundary_moves_ = false;
   std::set<std::filesystem::path> written_;  // since the last flush; of the work beside
-  std::future<void> last_work_;              // beside the computation; each waits for the one before it
+  std::vector<std::function<void()>> work_;  // that waits for the end of the frame
+  std::shared_future<void> last_work_;       // each frame's waits for that of the one before it
 };
 
 /// Whether it is one of the folders inside of a run folder, there or to come.

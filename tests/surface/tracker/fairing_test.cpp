@@ -190,6 +190,25 @@ TEST(Fairing, EvensOutADistortedMeshOnTheSurface) {
   for (const Vec3& x : mesh.position) EXPECT_NEAR(x.norm(), 1, 2e-8);
 }
 
+// A mobility that is too small to move anything makes fairing look at every vertex: the result is the same.
+TEST(Fairing, VerticesWithoutMobilityNeedNotBeLookedAt) {
+  const EllipsoidField field = sphere(1);
+  const TriangleMesh good = initial_mesh(field, 0.2, {});
+  const VertexRings rings = vertex_rings(good.vertex_count(), good.triangles);
+  const auto faired = [&](double least) {
+    TriangleMesh mesh = distorted(good, field, 0.05);
+    for (std::size_t v = 0; v < mesh.vertex_count(); ++v) mesh.mobility[v] = v % 17 == 0 ? 0.8 : least;
+    FairingState state = fairing_state(good, rings);
+    project_and_fair(field, rings, {.iterations = 5}, {}, 0.1, mesh, state);
+    EXPECT_EQ(state.moving.size() < mesh.vertex_count(), least == 0);
+    return mesh;
+  };
+  const TriangleMesh some = faired(0), all = faired(1e-200), start = distorted(good, field, 0.05);
+  EXPECT_EQ(some.position, all.position);
+  EXPECT_EQ(some.gradient, all.gradient);
+  EXPECT_NE(some.position[17], start.position[17]);
+}
+
 TEST(Fairing, OrderOfTheVerticesDoesNotMatter) {
   const EllipsoidField field = sphere(1);
   const TriangleMesh good = initial_mesh(field, 0.3, {});

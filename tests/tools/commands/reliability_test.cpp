@@ -9,7 +9,7 @@
 #include <set>
 
 #include "core/stopwatch.h"
-#include "surface/motion/velocity_methods.h"
+#include "surface/tracker/surface_methods.h"
 #include "tests/tools/everything_scene.h"
 #include "tests/tools/full_disk.h"
 #include "tests/tools/program.h"
@@ -75,7 +75,7 @@ void expect_same_results(const fs::path& one, const fs::path& other) {
 
 TEST_F(Reliability, SameBitsWhateverTheThreadsWithEveryMethod) {
   std::string methods;
-  for (const VelocityMethod& method : velocity_methods()) methods += fmt::format("{},", method.name);
+  for (const std::string_view name : surface_method_names()) methods += fmt::format("{},", name);
   methods.pop_back();
   for (const char* name : {"1", "2", "4", "4 again"}) {
     const ProgramResult result =
@@ -83,7 +83,7 @@ TEST_F(Reliability, SameBitsWhateverTheThreadsWithEveryMethod) {
                      methods, "--threads", std::string(name, 1)});
     ASSERT_EQ(result.exit_code, 0) << result.err;
   }
-  EXPECT_EQ(results_in(folder / "1").size(), 3 + 2 + 2 + 7 + 4 * (1 + 7));
+  EXPECT_EQ(results_in(folder / "1").size(), 3 + 2 + 2 + 9 + 4 * (1 + 9));
   for (const char* name : {"2", "4", "4 again"}) expect_same_results(folder / "1", folder / name);
 }
 

@@ -182,8 +182,11 @@ TEST_F(RunFolderFiles, NothingIsWrittenAfterWhatCouldNotBe) {
   write_frame(run, 1);
   run.write_checkpoint("state");
   EXPECT_THROW(run.wait(), IoError);
+  write_frame(run, 2);
+  EXPECT_THROW(run.wait(), IoError) << "nor later";
   EXPECT_EQ(bytes_of(folder / "run/metrics.csv"), metrics_header() + "m\n");
-  for (const char* name : {"surface-total/surface_0001.vtp", "checkpoint.bin"})
+  for (const char* name :
+       {"surface-total/surface_0001.vtp", "surface-total/surface_0002.vtp", "checkpoint.bin"})
     EXPECT_FALSE(fs::exists(folder / "run" / name)) << name;
 }
 

@@ -7,7 +7,7 @@
 #include "scenes/scene.h"
 #include "tests/open_counter.h"
 #include "tests/tools/scratch.h"
-#include "tools/io/vtp_files.h"
+#include "tests/vtk_reader.h"
 #include "tools/runs/run_driver.h"
 #include "tools/runs/run_folder.h"
 #include "tools/runs/scene_frames.h"
