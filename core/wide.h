@@ -36,6 +36,18 @@ inline Wide wide_of(const Eight& eight) {
   return lanes;
 }
 
+/// Lane k is values[order[k]]; order in [0, 8).
+inline EightInts permuted(const EightInts& values, const EightInts& order) {
+#ifdef __AVX2__
+  return reinterpret_cast<EightInts>(
+      _mm256_permutevar8x32_epi32(reinterpret_cast<__m256i>(values), reinterpret_cast<__m256i>(order)));
+#else
+  EightInts result;
+  for (int lane = 0; lane < kWide; ++lane) result[lane] = values[order[lane]];
+  return result;
+#endif
+}
+
 /// Eight padded vectors, transposed.
 struct WideVec {
   Wide x, y, z, w;

@@ -127,7 +127,7 @@ class RigidMultigrid::CellSums {
   Octants octants(const WideVec& xj) const {
     EightInts counted;
     std::memcpy(&counted, kCounted[side_].data(), sizeof counted);
-    const EightInts sum = __builtin_shuffle(counted, beyond(xj.x, 0) + beyond(xj.y, 1) + beyond(xj.z, 2));
+    const EightInts sum = permuted(counted, beyond(xj.x, 0) + beyond(xj.y, 1) + beyond(xj.z, 2));
     Octants result;
     std::memcpy(result.data(), &sum, sizeof sum);
     return result;

@@ -114,11 +114,11 @@ template <class Visit>
 void RigidMultigrid::for_solutions(std::size_t cell, const FluidParticles& particles,
                                    const std::vector<Vec4f>& r, const Visit& visit) const {
   if (depth_ == 0) return for_particles(cell, [&](std::size_t i) { visit(i, block_times(i, r[i])); });
-  const auto [velocity, turning] = finest().motion[cell];
+  const RigidVector motion = finest().motion[cell];
   for_particles(cell, [&](std::size_t i) {
     const Vec4f own = block_times(i, r[i]);
     if (!is_carried(i, particles)) return visit(i, own);
-    visit(i, own + (velocity + cross(turning, arm(cell, particles.position[i]))));
+    visit(i, own + (motion.linear + cross(motion.angular, arm(cell, particles.position[i]))));
   });
 }
 
