@@ -1,11 +1,13 @@
 // Where the liquid at a place has come from, by the particles around.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "core/cell_grid.h"
+#include "core/parallel.h"
 #include "core/particles.h"
 
 namespace kappaflow {
