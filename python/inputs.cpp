@@ -28,6 +28,11 @@ WeightRule weight_rule(const std::string& name) {
   throw InvalidInput(fmt::format("weights: '{}'; allowed are uniform, normalised", name));
 }
 
+Anchor anchor(const std::string& name) {
+  if (const std::optional<Anchor> known = value_of(kAnchors, name)) return *known;
+  throw InvalidInput(fmt::format("anchor: '{}'; allowed are none, particles", name));
+}
+
 /// sigma: [m]; empty: two spacings of the particles, which are measured then.
 SurfaceOptions field_choices(std::optional<double> sigma, std::optional<double> threshold,
                              const std::string& weights) {
@@ -41,10 +46,11 @@ SurfaceOptions field_choices(std::optional<double> sigma, std::optional<double> 
   return options;
 }
 
-SurfaceOptions surface_choices(SurfaceOptions options, const std::vector<nb::object>& methods, bool is_cloud,
-                               double edge_length, bool remesh, bool topology, double motion_per_step,
-                               const VelocityOptions& velocity) {
+SurfaceOptions surface_choices(SurfaceOptions options, const std::vector<nb::object>& methods,
+                               const std::string& anchored_to, bool is_cloud, double edge_length, bool remesh,
+                               bool topology, double motion_per_step, const VelocityOptions& velocity) {
   for (const nb::object& method : methods) options.velocities.push_back(surface_method(method));
+  options.anchor = anchor(anchored_to);
   options.is_cloud = is_cloud;
   options.edge_length = edge_length;
   options.remesh = remesh;
@@ -63,9 +69,9 @@ void bind_inputs(nb::module_& m) {
   nb::class_<SurfaceOptions>(m, "SurfaceOptions");
   m.def("field_choices", field_choices, nb::arg("sigma").none(), nb::arg("threshold").none(),
         nb::arg("weights"));
-  m.def("surface_choices", surface_choices, nb::arg("options"), nb::arg("methods"), nb::arg("is_cloud"),
-        nb::arg("edge_length"), nb::arg("remesh"), nb::arg("topology"), nb::arg("motion_per_step"),
-        nb::arg("velocity"));
+  m.def("surface_choices", surface_choices, nb::arg("options"), nb::arg("methods"), nb::arg("anchor"),
+        nb::arg("is_cloud"), nb::arg("edge_length"), nb::arg("remesh"), nb::arg("topology"),
+        nb::arg("motion_per_step"), nb::arg("velocity"));
 }
 
 }  // namespace kappaflow::python

@@ -57,7 +57,6 @@ void set_hessian_rows(const Jet& jet, const StrainResponse& strain, MotionRows& 
 }
 
 using Mat9 = Eigen::Matrix<double, 9, 9>;
-using Mat12 = Eigen::Matrix<double, 12, 12>;
 using Vec12 = Eigen::Matrix<double, 12, 1>;
 
 /// Lambda^2 for r G: rotation is the antisymmetric part.
@@ -75,7 +74,7 @@ Mat9 gradient_damping() {
 /// The normal equations of a fit, N (r G, a) = rhs, of which N has its lower triangle. With the unknowns in
 /// this order the last block of N's Cholesky factor is that of the information about a.
 struct NormalEquations {
-  Mat12 N;
+  MotionInformation N;
   Vec12 rhs;
 };
 
@@ -136,6 +135,7 @@ void RowSums::add(const MotionRows& rows, const Vec3& d, double w) {
     products_.col(j).tail<kHalf>() = sum;
   }
   weight_ += w;
+  squares_ += w * rows.row(MotionRows::RowsAtCompileTime - 1).squaredNorm();
 }
 
 MotionEquations RowSums::equations() const {
@@ -152,6 +152,7 @@ MotionEquations RowSums::equations() const {
     sum[Place::cb(j)] = products_(12, 3 + j);
   }
   sum[Place::kWeight] = weight_;
+  sum[Place::kSquares] = squares_;
   return result;
 }
 
@@ -187,13 +188,17 @@ MotionEquations WindowSums::equations() const {
 
 AffineFit WindowSums::solve(double radius, const Vec3& normal) const {
   if (!(weight() > 0)) return {};
-  const auto [N, rhs] = damped_mean(equations(), radius);
-  const Eigen::LLT<Mat12, Eigen::Lower> factor(N);
+  const MotionEquations sum = equations();
+  const auto [N, rhs] = damped_mean(sum, radius);
+  const Eigen::LLT<MotionInformation, Eigen::Lower> factor(N);
   const Vec12 z = factor.solve(rhs);
   const Mat3 last = factor.matrixLLT().bottomRightCorner<3, 3>().triangularView<Eigen::Lower>();
   return {.velocity = z.tail<3>(),
           .gradient = z.head<9>().reshaped<Eigen::RowMajor>(3, 3) / radius,
-          .determined = std::sqrt(tangential_information(last * last.transpose(), normal))};
+          .determined = std::sqrt(tangential_information(last * last.transpose(), normal)),
+          .residual = std::sqrt(std::max(0.0, sum.sums[MotionEquations::kSquares] / weight() - z.dot(rhs))),
+          .radius = radius,
+          .information = N.selfadjointView<Eigen::Lower>()};
 }
 
 }  // namespace kappaflow

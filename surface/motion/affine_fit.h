@@ -21,11 +21,11 @@ using MotionRows = Eigen::Matrix<double, 13, 7>;
 MotionRows motion_rows(const Jet& jet, const StrainResponse& strain, const Vec3& normal_velocity);
 
 /// Normal equations of the rows of points about a common centre: the sums over the rows of e e^T, e b, e c^T,
-/// c c^T, c b side by side, and the weight of all.
+/// c c^T, c b side by side, the weight of all, and b^2.
 struct MotionEquations {
   static constexpr int kShifted =
       36;  ///< e e^T (6), e b (3), e c^T (27): what moving the centre needs comes first
-  static constexpr int kSize = 92;  ///< and then c c^T (45), c b (9), the weight, padding
+  static constexpr int kSize = 92;  ///< and then c c^T (45), c b (9), the weight, b^2
   Eigen::Array<double, kSize, 1> sums = Eigen::Array<double, kSize, 1>::Zero();
 
   // Where they stand: a, b are axes of e; j = 3 p + q is the coefficient of G_pq in c, and k >= j likewise.
@@ -34,7 +34,7 @@ struct MotionEquations {
   static constexpr int ec(int a, int j) { return 9 + 9 * a + j; }
   static constexpr int cc(int j, int k) { return kShifted + j * (17 - j) / 2 + k; }
   static constexpr int cb(int j) { return 81 + j; }
-  static constexpr int kWeight = 90;
+  static constexpr int kWeight = 90, kSquares = 91;
 };
 
 /// Sums the rows of points about their common centre x: about x instead of y = x + d a row [e | c | b] is
@@ -50,8 +50,11 @@ class RowSums {
   static constexpr int kSize = 16;  // 13 and what fills vectors of four
   Eigen::Array<double, kSize, 12> products_ =
       Eigen::Array<double, kSize, 12>::Zero();  // from the diagonal on
-  double weight_ = 0;
+  double weight_ = 0, squares_ = 0;
 };
+
+/// Normal equations of (r G row by row, a), r the radius of a window.
+using MotionInformation = Eigen::Matrix<double, 12, 12>;
 
 /// The fitted motion about the centre of a window.
 struct AffineFit {
@@ -61,6 +64,10 @@ struct AffineFit {
   /// smallest eigenvalue, over the directions in the tangent plane, of the information about a (the Schur
   /// complement of the weighted mean of the normal equations) [-]. 0: a tangential motion that no row sees.
   double determined = 0;
+  /// Root mean square of the rows with the fitted motion [m/s]: how far the surface is from moving affinely.
+  double residual = 0;
+  double radius = 0;                                          ///< r of the window [m]; 0: nothing was fitted
+  MotionInformation information = MotionInformation::Zero();  ///< that of the mean of the rows, damped
 };
 
 /// Weighted sums of equations about other centres y = x + d, moved to the centre x as RowSums moves rows. So,

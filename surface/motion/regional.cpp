@@ -7,6 +7,7 @@
 #include "surface/mesh/surface_samples.h"
 #include "surface/motion/affine_fit.h"
 #include "surface/motion/normal.h"
+#include "surface/motion/patch_agreement.h"
 #include "surface/motion/pointwise.h"
 #include "surface/motion/tangential_rows.h"
 
@@ -89,10 +90,10 @@ Patches patches_of(const LocalMotion& local, const SurfacePoints& points) {
   return patches;
 }
 
-/// The motion of a patch, fitted to the window around its sample.
-struct PatchMotion {
-  AffineFit fit;
-  double fastest = 0;  // speed in reach of the window [m/s]
+/// The motions of patches, each fitted to the window around its sample.
+struct PatchMotions {
+  std::vector<AffineFit> fit;
+  std::vector<double> fastest;  // speed in reach of the window [m/s]
 };
 
 MotionEquations equations_of(const MotionRows& rows) {
@@ -101,13 +102,13 @@ MotionEquations equations_of(const MotionRows& rows) {
   return sums.equations();
 }
 
-/// The window of `radius` around sample s [m].
-PatchMotion window_at(int s, double radius, const LocalMotion& local, const Patches& patches,
-                      SampleWalk& walk) {
+/// From the window of `radius` around sample s [m]; fastest: the speed in its reach.
+AffineFit window_fit(int s, double radius, const LocalMotion& local, const Patches& patches, SampleWalk& walk,
+                     double& fastest) {
   const SurfaceSamples& samples = patches.samples;
   const Vec3& x = samples.position[s];
   WindowSums sums(x);
-  double fastest = 0;
+  fastest = 0;
   for (const int t : walk.around(samples, x, s, radius)) {
     const Vec3& y = samples.position[t];
     const double u = std::max(0.0, 1 - (y - x).squaredNorm() / (radius * radius));
@@ -116,49 +117,61 @@ PatchMotion window_at(int s, double radius, const LocalMotion& local, const Patc
   }
   const int v = samples.vertex[s];
   if (!(sums.weight() > 0)) sums.add(equations_of(local.rows[v]), x, 1);
-  return {sums.solve(radius, local.normal[v]), fastest};
+  return sums.solve(radius, local.normal[v]);
 }
 
 /// From the smallest window that determines the tangential velocity, or the largest allowed.
-PatchMotion patch_motion(int s, const LocalMotion& local, const Patches& patches, SampleWalk& walk) {
+AffineFit patch_fit(int s, const LocalMotion& local, const Patches& patches, SampleWalk& walk,
+                    double& fastest) {
   const double scale = local.length_scale[patches.samples.vertex[s]];
   if (!(scale > 0)) return {};
   for (double radius = kRadius * scale;; radius *= kRadiusGrowth) {
-    PatchMotion motion = window_at(s, radius, local, patches, walk);
-    if (motion.fit.determined >= kDetermined || radius * kRadiusGrowth > kLargestRadius * scale)
-      return motion;
+    const AffineFit fit = window_fit(s, radius, local, patches, walk, fastest);
+    if (fit.determined >= kDetermined || radius * kRadiusGrowth > kLargestRadius * scale) return fit;
   }
 }
 
-std::vector<PatchMotion> patch_motions(const LocalMotion& local, const Patches& patches, WalkOfThread& walk) {
-  std::vector<PatchMotion> motions(patches.equations.size());
+PatchMotions patch_motions(const LocalMotion& local, const Patches& patches, WalkOfThread& walk) {
+  const std::size_t n = patches.equations.size();
+  PatchMotions motions{std::vector<AffineFit>(n), std::vector<double>(n, 0.0)};
+  std::vector<double> length_scale(n);
   parallel_for(
-      motions.size(),
-      [&](std::size_t s) { motions[s] = patch_motion(static_cast<int>(s), local, patches, walk.local()); },
+      n,
+      [&](std::size_t s) {
+        motions.fit[s] = patch_fit(static_cast<int>(s), local, patches, walk.local(), motions.fastest[s]);
+        length_scale[s] = local.length_scale[patches.samples.vertex[s]];
+      },
       kPointsPerTask);
+  if (n > 0) agree(patches.samples, length_scale, std::ranges::max(motions.fastest), motions.fit);
   return motions;
 }
 
-/// What the patches around vertex v say of its velocity, each by what it knows and the nearer the more.
-PatchMotion blended_motion(const Vec3& x, int v, const LocalMotion& local, const Patches& patches,
-                           std::span<const PatchMotion> motions, SampleWalk& walk) {
+/// What the patches around a vertex say of its motion.
+struct Blend {
+  Vec3 velocity = Vec3::Zero();
+  double determined = 0, fastest = 0;  // as of the patches
+};
+
+/// Each patch counts by what it knows and the nearer the more.
+Blend blended(const Vec3& x, int v, const LocalMotion& local, const Patches& patches,
+              const PatchMotions& motions, SampleWalk& walk) {
   const SurfaceSamples& samples = patches.samples;
   const double radius = kBlendRadius * local.length_scale[v];
-  PatchMotion blend{.fit = {}, .fastest = local.fastest[v]};
+  Blend blend{.fastest = local.fastest[v]};
   double weights = 0, nearness = 0;
   for (const int s : walk.around(samples, x, samples.of_vertex[v], radius)) {
     const Vec3 d = x - samples.position[s];
-    const auto& [fit, fastest] = motions[s];
+    const AffineFit& fit = motions.fit[s];
     const double u = std::max(kLeastNearness, 1 - d.squaredNorm() / (radius * radius)), near = u * u;
     const double weight = near * fit.determined * fit.determined;
-    blend.fit.velocity += weight * (fit.velocity + fit.gradient * d);
-    blend.fastest = std::max(blend.fastest, fastest);
+    blend.velocity += weight * (fit.velocity + fit.gradient * d);
+    blend.fastest = std::max(blend.fastest, motions.fastest[s]);
     weights += weight;
     nearness += near;
   }
   if (!(weights > 0)) return blend;
-  blend.fit.velocity /= weights;
-  blend.fit.determined = std::sqrt(weights / nearness);
+  blend.velocity /= weights;
+  blend.determined = std::sqrt(weights / nearness);
   return blend;
 }
 
@@ -170,18 +183,19 @@ void evaluate_regional(const Field& field, const SurfacePoints& points, const Ve
   const LocalMotion local = local_motion(field, points.position, options);
   const Patches patches = patches_of(local, points);
   WalkOfThread walk;
-  const std::vector<PatchMotion> motions = patch_motions(local, patches, walk);
+  const PatchMotions motions = patch_motions(local, patches, walk);
   std::ranges::fill(result.velocity, Vec3::Zero());
   std::ranges::fill(result.confidence, 0);
   parallel_for(
       n,
       [&](std::size_t v) {
         if (!(local.length_scale[v] > 0)) return;
-        const auto [fit, fastest] =
-            blended_motion(points.position[v], static_cast<int>(v), local, patches, motions, walk.local());
-        const Vec3 tangential = fit.velocity - fit.velocity.dot(local.normal[v]) * local.normal[v];
-        result.velocity[v] = local.normal_velocity[v] + limited(tangential, options.speed_limit * fastest);
-        result.confidence[v] = confidence(fit.determined, options.damping);
+        const Blend blend =
+            blended(points.position[v], static_cast<int>(v), local, patches, motions, walk.local());
+        const Vec3 tangential = blend.velocity - blend.velocity.dot(local.normal[v]) * local.normal[v];
+        result.velocity[v] =
+            local.normal_velocity[v] + limited(tangential, options.speed_limit * blend.fastest);
+        result.confidence[v] = confidence(blend.determined, options.damping);
       },
       kPointsPerTask);
 }

@@ -12,7 +12,8 @@ namespace kappaflow {
 /// The window holds the points that are connected to x along the mesh within r = 1.25 jet.length_scale; where
 /// they do not determine the tangential velocity it grows, to twice the radius at most. The weight is taken
 /// per patch of half a length scale, each patch's rows summed exactly, so that the cost of a vertex does not
-/// depend on the density of the mesh. Exact for rigid motions; for every affine motion of the material where
+/// depend on the density of the mesh. Patches whose rows are met badly follow their neighbours: agree() of
+/// patch_agreement.h. Exact for rigid motions; for every affine motion of the material where
 /// the field knows its StrainResponse.
 /// Confidence: AffineFit::determined as s in s/sqrt(s^2 + damping^2); the damping is used for nothing else.
 /// A point without neighbours is a window by itself.

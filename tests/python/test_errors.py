@@ -26,6 +26,8 @@ def test_the_family_of_errors():
     (lambda: kappaflow.Field([["a", "b", "c"]]), r"positions: no array of float64; one of shape \(n, 3\) is needed"),
     (lambda: kappaflow.Field(ball(), np.zeros((4, 3))), r"velocities: an array of shape \(4, 3\); \(\d+, 3\) is needed"),
     (lambda: kappaflow.Field(ball()).values([1, 2, 3]), r"points: an array of shape \(3,\); \(n, 3\) is needed"),
+    (lambda: kappaflow.Tracker(ball(), np.zeros_like(ball()), anchor="ids"), "anchor: 'ids'; allowed are none, particles"),
+    (lambda: kappaflow.Tracker(ball(), anchor="particles"), "the particles: textures from particles take particles with ids"),
     (lambda: kappaflow.Field(ball(), weights="heavy"), "weights: 'heavy'; allowed are uniform, normalised"),
     (lambda: kappaflow.Field(ball(), sigma=-1), "sigma"),
     (lambda: kappaflow.Field([[0, 0, 0], [0, 0, 0]]), "half of the particles"),

@@ -91,6 +91,23 @@ def test_larger_particles_have_larger_surfaces():
     np.testing.assert_allclose(np.linalg.norm(mesh.positions[~near] - [10, 0, 0], axis=1), 2 * radius, atol=2e-4)
 
 
+def test_an_anchor_takes_the_drift_away():
+    """Of `normal` on a ball that turns about its own axis, which sees nothing of the motion."""
+    def turning(time):
+        spin, position = np.array([0, 0, 2.0]), ball()
+        turn = np.array([[np.cos(2 * time), -np.sin(2 * time), 0], [np.sin(2 * time), np.cos(2 * time), 0], [0, 0, 1]])
+        return position @ turn.T, np.cross(spin, position @ turn.T), turn
+
+    def rest_error(anchor):
+        tracker = kappaflow.Tracker(*turning(0)[:2], methods="normal", anchor=anchor)
+        for frame in range(1, 6):
+            tracker.advance(*turning(0.1 * frame)[:2], time=0.1 * frame)
+        mesh = tracker.mesh()
+        return np.linalg.norm(mesh.positions @ turning(0.5)[2] - mesh["rest_position"], axis=1).mean() / tracker.sigma
+
+    assert rest_error("none") > 0.5 and rest_error("particles") < 1e-3
+
+
 def test_arrays_of_ones_own_are_carried_along():
     tracker = kappaflow.Tracker(*drifting(0), methods=["material", "total"])
     tracker.add_array("temperature", 20.0)
