@@ -14,6 +14,7 @@ set(KAPPAFLOW_PUBLIC_HEADERS
     surface/remesh/initial_mesh.h surface/remesh/remesh_options.h
     surface/measure/surface_motion.h surface/measure/surface_state.h surface/measure/texture.h
     surface/tracker/fairing_options.h surface/tracker/fresh_surface.h surface/tracker/particle_origins.h
+    surface/tracker/rest_grid.h
     surface/tracker/rest_pair.h surface/tracker/surface_methods.h surface/tracker/surface_tracker.h
     surface/tracker/tracked_surfaces.h surface/tracker/tracker_options.h
     solver/emitter.h solver/fluid_solver.h solver/options.h

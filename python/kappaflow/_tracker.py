@@ -27,8 +27,8 @@ class Tracker:
     cloud come from it. The mesh does not depend on it.
 
     methods: a velocity method, or several for as many surfaces: names of velocity_methods() or functions (see
-    VelocityFunction), or `fresh-nearest` and `fresh-particles`, which do not track; `material`, or `regional` for a point cloud,
-    unless given.
+    VelocityFunction), or `fresh-nearest`, `fresh-particles` and `fresh-grid`, which do not track; `material`, or `regional` for a
+    point cloud, unless given.
     anchor: "particles" gives the vertices of tracked surfaces, at every instant, the rest position that the particles around
     have by their first ones: no drift, whatever the method; it takes ids or rows that stay. "none": as carried along.
     sigma, threshold, weights: as for Field. edge_length: of the mesh where it is flat, in units of sigma.

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "core/parallel.h"
 #include "core/stopwatch.h"
 #include "surface/mesh/isosurface.h"
 #include "surface/mesh/nearest_on_mesh.h"
@@ -18,11 +19,18 @@ TriangleMesh placed_isosurface(const Field& field, double spacing) {
 }  // namespace
 
 FreshSurface::FreshSurface(TriangleMesh first, double spacing, VelocityFunction velocity,
-                           const VelocityOptions& options)
+                           const VelocityOptions& options, std::optional<RestGrid> grid)
     : mesh_(std::move(first)),
       spacing_(spacing),
       velocity_(std::move(velocity)),
-      velocity_options_(options) {}
+      velocity_options_(options),
+      grid_(std::move(grid)) {}
+
+TrackerStep FreshSurface::step(FieldMotion& motion) {
+  TrackerStep report;
+  if (grid_) report.texture_seconds = seconds_of([&] { grid_->step(motion); });
+  return report;
+}
 
 TrackerStep FreshSurface::settle(const Field& field) {
   TrackerStep report;
@@ -48,6 +56,10 @@ void FreshSurface::take_over(TriangleMesh fresh) {
   alive.resize(old + n, 1);
   VertexHistory history;
   remove_dead(alive, mesh_, history);
+  if (!grid_) return;
+  parallel_for(n, [&](std::size_t v) {
+    if (const std::optional<Vec3> rest = grid_->at(mesh_.position[v])) mesh_.rest_position[v] = *rest;
+  });
 }
 
 SurfaceState FreshSurface::state(const Field& field) const {

@@ -1,23 +1,28 @@
 // A surface that is meshed anew in every frame: what one uses who does not track.
 #pragma once
 
-#include <span>
-#include <string_view>
+#include <optional>
 
 #include "surface/measure/surface_state.h"
 #include "surface/mesh/triangle_mesh.h"
+#include "surface/tracker/rest_grid.h"
 #include "surface/tracker/tracker_options.h"
 
 namespace kappaflow {
 
 /// In each frame the isosurface f = 0 by marching cubes (Lorensen & Cline 1987; see extract_isosurface()),
 /// with its vertices on the surface. A vertex has nothing to do with those of the frame before: it gets a new
-/// id, and its entry in every array, by the array's rule, from the nearest point of the last frame's mesh.
+/// id, and its entry in every array, by the array's rule, from the nearest point of the last frame's mesh;
+/// where there is a grid, its rest position from that.
 class FreshSurface {
  public:
   /// first: the mesh of the first frame, whose arrays all later ones have. spacing: of the lattice [m].
   /// velocity, options: what state() shows of the motion, which moves nothing here.
-  FreshSurface(TriangleMesh first, double spacing, VelocityFunction velocity, const VelocityOptions& options);
+  FreshSurface(TriangleMesh first, double spacing, VelocityFunction velocity, const VelocityOptions& options,
+               std::optional<RestGrid> grid = std::nullopt);
+
+  /// Carries the grid along, where there is one: the mesh of a frame needs no step before.
+  TrackerStep step(FieldMotion& motion);
 
   /// Meshes the surface of a frame.
   TrackerStep settle(const Field& field);
@@ -32,6 +37,7 @@ class FreshSurface {
   template <class Archive>
   void serialize(Archive& archive) {
     archive(mesh_);
+    if (grid_) archive(*grid_);
   }
 
  private:
@@ -41,6 +47,7 @@ class FreshSurface {
   double spacing_;
   VelocityFunction velocity_;
   VelocityOptions velocity_options_;
+  std::optional<RestGrid> grid_;
 };
 
 }  // namespace kappaflow

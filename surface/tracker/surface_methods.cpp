@@ -18,6 +18,8 @@ std::vector<NamedSurfaceMethod> all_methods() {
       {"fresh-nearest", "new mesh each frame, texture of the last one's nearest point", FreshMesh::nearest});
   methods.push_back({"fresh-particles", "new mesh each frame, texture by where particles were first",
                      FreshMesh::particles});
+  methods.push_back(
+      {"fresh-grid", "new mesh each frame, texture carried on a grid (BFECC)", FreshMesh::grid});
   return methods;
 }
 

@@ -15,8 +15,9 @@ namespace kappaflow {
 
 /// Where a mesh that is new in every frame has rest positions and sources from.
 enum class FreshMesh {
-  nearest,   ///< from the nearest point of the last frame's mesh
-  particles  ///< from the particles, where they were first: see OriginMap
+  nearest,    ///< from the nearest point of the last frame's mesh
+  particles,  ///< from the particles, where they were first: see OriginMap
+  grid        ///< rest positions from a grid that the liquid's velocity carries them on: see RestGrid
 };
 
 /// How one surface follows the liquid.

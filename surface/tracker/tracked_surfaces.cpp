@@ -140,7 +140,13 @@ std::vector<TrackedSurfaces::Surface> TrackedSurfaces::make_surfaces(const Field
       options.method = *velocity;
       surfaces.emplace_back(SurfaceTracker(mesh, options));
     } else {
-      surfaces.emplace_back(FreshSurface(mesh, edge_length, default_velocity(surface), options.velocity));
+      const bool has_grid = std::get<FreshMesh>(method) == FreshMesh::grid;
+      if (has_grid && surface.is_cloud)
+        throw InvalidInput(
+            fmt::format("{}: textures on a grid take particles with velocities", surface.name));
+      surfaces.emplace_back(
+          FreshSurface(mesh, edge_length, default_velocity(surface), options.velocity,
+                       has_grid ? std::optional(RestGrid(field, edge_length)) : std::nullopt));
     }
   }
   return surfaces;
@@ -188,10 +194,9 @@ bool TrackedSurfaces::step(Particles next, const Watch& watch) {
   return true;
 }
 
-/// Between frames there is nothing to do for a mesh that is new in each.
 void TrackedSurfaces::step_surfaces(FieldMotion& motion) {
   for (std::size_t m = 0; m < surfaces_.size(); ++m)
-    if (auto* tracker = std::get_if<SurfaceTracker>(&surfaces_[m])) report_[m] += tracker->step(motion);
+    report_[m] += std::visit([&](auto& surface) { return surface.step(motion); }, surfaces_[m]);
   field_ = motion.at(motion.t1());
 }
 

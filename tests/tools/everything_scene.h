@@ -39,7 +39,7 @@ axis = [0, 1, 0]
 [[wall.motion]]
 angular_velocity = 3
 [surface]
-methods = ["curvature", "regional", "fresh-nearest", "fresh-particles"]
+methods = ["curvature", "regional", "fresh-nearest", "fresh-particles", "fresh-grid"]
 anchor = "particles"
 weights = "normalised"
 motion_per_step = 0.5

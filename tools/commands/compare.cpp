@@ -18,6 +18,7 @@
 #include "tools/runs/metrics.h"
 #include "tools/runs/run_folder.h"
 #include "tools/runs/run_record.h"
+#include "tools/runs/timings.h"
 
 namespace kappaflow {
 namespace {
@@ -26,10 +27,12 @@ namespace fs = std::filesystem;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-/// A column of metrics.csv, or volume_error, which is made of two of them. noise: medians that differ by less
-/// are alike, as a share of the greater of the two, of rotation_captured as it is. So much the median of a
-/// method changes when the liquid of staircase-small.toml (1 s) begins one, two or three tenths of a spacing
-/// further.
+constexpr std::string_view kTime = "time_a_frame";
+
+/// A column of metrics.csv; or volume_error, which is made of two of them; or time_a_frame, the wall time
+/// that the surface takes [s], which is of timings.csv. noise: medians that differ by less are alike, as a
+/// share of the greater of the two, of rotation_captured as it is. So much the median of a method changes
+/// when the liquid of staircase-small.toml (1 s) begins one, two or three tenths of a spacing further.
 struct Metric {
   std::string_view name;
   double noise = 0;
@@ -49,6 +52,7 @@ constexpr Metric kMetrics[] = {
     {"texture_distance", 0.13},
     {"volume_error", 0.4},
     {"residual_max", 0.01},
+    {kTime, 0.2},
     {"quality_min", 0.06},
     {"quality_mean", 0.01},
     {"angles_outside"},
@@ -101,7 +105,19 @@ void add_volume_error(Series& series) {
   for (std::size_t f = 0; f < tracked.size(); ++f) error.push_back(std::abs(tracked[f] / fresh[f] - 1));
 }
 
-/// The run's table of metrics, method by method.
+/// Without the first mesh, which the first method bears for all.
+void add_time_a_frame(const std::vector<SurfaceTime>& times, Series& series) {
+  const std::vector<double> frames = series.values("frame");
+  std::vector<double>& seconds = series.column[kTime];
+  seconds.assign(frames.size(), kNone);
+  for (const SurfaceTime& time : times) {
+    const auto frame = std::ranges::find(frames, static_cast<double>(time.frame));
+    if (time.method == series.method && time.frame > 0 && frame != frames.end())
+      seconds[frame - frames.begin()] = time.seconds;
+  }
+}
+
+/// The run's tables of metrics and times, method by method.
 std::vector<Series> read_series(const fs::path& run) {
   const fs::path file = run / kMetricsFile;
   const MetricsTable table = read_metrics_table(file);
@@ -114,6 +130,8 @@ std::vector<Series> read_series(const fs::path& run) {
   }
   if (all.empty()) throw IoError(file.string(), "holds no frames yet");
   std::ranges::for_each(all, add_volume_error);
+  const std::vector<SurfaceTime> times = read_surface_times(run / kTimingsFile);
+  for (Series& series : all) add_time_a_frame(times, series);
   return all;
 }
 
@@ -312,6 +330,7 @@ std::string axis_label(std::string_view metric) {
   std::string label(metric);
   std::ranges::replace(label, '_', ' ');
   const MetricColumn* column = find_metric(metric);
+  if (metric == kTime) return label + " [s]";
   return column == nullptr || column->unit == "1" ? label : fmt::format("{} [{}]", label, column->unit);
 }
 

@@ -32,7 +32,7 @@ struct Plot {
 };
 
 /// Names of colour and mark, for users of the same in other plots.
-inline constexpr int kPlotStyles = 9;
+inline constexpr int kPlotStyles = 10;
 
 /// Writes `name`.gp, a gnuplot script with its data in it, and from it `name`.png (200 dpi), .pdf and .svg:
 /// one plot as wide as a journal's column, 89 mm, or more in pairs across the page, 183 mm. Throws IoError

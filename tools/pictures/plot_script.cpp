@@ -34,9 +34,9 @@ struct LineStyle {
   const char* colour;
   int mark;
 };
-constexpr LineStyle kStyles[kPlotStyles] = {{"#0072b2", 7},  {"#d55e00", 4}, {"#009e73", 9},
-                                            {"#cc79a7", 12}, {"#56b4e9", 5}, {"#e69f00", 10},
-                                            {"#000000", 13}, {"#999933", 6}, {"#882255", 2}};
+constexpr LineStyle kStyles[kPlotStyles] = {{"#0072b2", 7}, {"#d55e00", 4},  {"#009e73", 9},  {"#cc79a7", 12},
+                                            {"#56b4e9", 5}, {"#e69f00", 10}, {"#000000", 13}, {"#999933", 6},
+                                            {"#882255", 2}, {"#888888", 8}};
 constexpr LineStyle kReference{"#000000", 0};
 
 /// In double quotes: within braces gnuplot does not know those of single ones.

@@ -100,7 +100,8 @@ void FrameWriter::write(int frame, FrameSource& source, RunSummary& summary) {
     rows.metrics += metrics_row(row);
     rows.pieces += pieces_rows(row);
     rows.timings += timings_row(metrics.frame, metrics.time, method, seconds, memory);
-    summary.methods[m].add_frame(method, row.surface, seconds);
+    summary.methods[m].add_frame(method, row.surface);
+    summary.methods[m].add_seconds(seconds);
   }
   folder_.beside([to = export_, frame] { to->finish_frame(frame); });
   folder_.finish_frame(metrics.time, rows);

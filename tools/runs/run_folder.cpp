@@ -20,7 +20,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kPiecesFile = "pieces.csv";
-constexpr const char* kTimingsFile = "timings.csv";
 constexpr const char* kBeginningFolder = "beginning.tmp";  // of a run that is to replace another
 constexpr std::array kTables{kMetricsFile, kPiecesFile, kTimingsFile};
 constexpr std::array kOtherFiles{kRecordFile, kSceneFile, kCheckpointFile, kBoundaryFile, kFailureFile};

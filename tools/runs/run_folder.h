@@ -120,6 +120,7 @@ std::string boundary_file(int frame);
 inline constexpr const char* kBoundaryFile = "boundary.vtp";  ///< of walls at rest
 inline constexpr const char* kRecordFile = "run.json";
 inline constexpr const char* kMetricsFile = "metrics.csv";
+inline constexpr const char* kTimingsFile = "timings.csv";
 inline constexpr const char* kSceneFile = "run.toml";  ///< a copy of the scene
 inline constexpr const char* kCheckpointFile = "checkpoint.bin";
 inline constexpr const char* kFailureFile = "failure.vtp";  ///< the particles when a simulation failed

@@ -71,30 +71,38 @@ std::string volume_text(const SurfaceMetrics& surface, const FrameMetrics& frame
   return fmt::format("{:+.2f}%", 100 * (surface.size.volume / frame.isosurface->volume - 1));
 }
 
+std::string time_text(const std::optional<double>& seconds) {
+  return seconds ? fmt::format("{:.3f}", *seconds) : "-";
+}
+
 std::string method_table(const RunSummary& s) {
   std::string text =
-      fmt::format("\n  {:<16}{:>9}{:>13}{:>12}{:>12}{:>10}{:>10}{:>10}{:>13}\n", "method", "vertices",
-                  "quality min", "mean", "residual", "volume", "slip", "rotation", "unprojected");
+      fmt::format("\n  {:<16}{:>9}{:>13}{:>12}{:>12}{:>10}{:>10}{:>10}{:>13}{:>9}\n", "method", "vertices",
+                  "quality min", "mean", "residual", "volume", "slip", "rotation", "unprojected", "time");
   for (const MethodSummary& m : s.methods) {
     const SurfaceMetrics& last = m.frames.back();
-    text += fmt::format("  {:<16}{:>9}{:>13.4f}{:>12.4f}{:>12.1e}{:>10}{:>10}{:>10}{:>13}\n", m.name,
+    text += fmt::format("  {:<16}{:>9}{:>13.4f}{:>12.4f}{:>12.1e}{:>10}{:>10}{:>10}{:>13}{:>9}\n", m.name,
                         last.vertices, last.quality.min, last.quality.mean, m.residual_max(),
                         volume_text(last, s.frames.back()), median_text(m.frames, &SurfaceMetrics::slip),
-                        median_text(m.frames, &SurfaceMetrics::rotation_captured), last.unprojected);
+                        median_text(m.frames, &SurfaceMetrics::rotation_captured), last.unprojected,
+                        time_text(m.time_a_frame()));
   }
   return text +
          "  quality, unprojected: at the end; residual: largest, in sigma; volume: against a fresh "
          "isosurface at the end;\n"
-         "  slip and rotation captured: median over the frames, against the material's motion\n\n";
+         "  slip and rotation captured: median over the frames, against the material's motion; time: of a "
+         "frame's surface, median [s]\n\n";
 }
 
 }  // namespace
 
-void MethodSummary::add_frame(const std::string& method, const SurfaceMetrics& metrics,
-                              const PhaseSeconds& frame_seconds) {
+void MethodSummary::add_frame(const std::string& method, const SurfaceMetrics& metrics) {
   name = method;
   frames.push_back(metrics);
   frames.back().pieces = {};
+}
+
+void MethodSummary::add_seconds(const PhaseSeconds& frame_seconds) {
   seconds.solver += frame_seconds.solver;
   seconds.velocity += frame_seconds.velocity;
   seconds.fairing += frame_seconds.fairing;
@@ -102,12 +110,18 @@ void MethodSummary::add_frame(const std::string& method, const SurfaceMetrics& m
   seconds.remesh += frame_seconds.remesh;
   seconds.texture += frame_seconds.texture;
   seconds.output += frame_seconds.output;
+  if (frames.size() > 1) surface_seconds.push_back(frame_seconds.surface());
 }
 
 double MethodSummary::residual_max() const {
   double largest = 0;
   for (const SurfaceMetrics& frame : frames) largest = std::max(largest, frame.residual_max);
   return largest;
+}
+
+std::optional<double> MethodSummary::time_a_frame() const {
+  std::vector<double> seconds_of_frames = surface_seconds;
+  return seconds_of_frames.empty() ? std::nullopt : std::optional(upper_median(seconds_of_frames));
 }
 
 void RunSummary::add_frame(const FrameMetrics& metrics, double tracers, double shared_output) {
@@ -125,7 +139,7 @@ void RunSummary::add_frames_before(std::span<const MetricsRow> rows) {
   for (const MetricsRow& row : rows) {
     auto method = std::ranges::find(methods, row.method, &MethodSummary::name);
     if (method == methods.end()) method = methods.insert(methods.end(), MethodSummary());
-    method->add_frame(row.method, row.surface, {});
+    method->add_frame(row.method, row.surface);
     if (method == methods.begin()) add_frame(row.frame, 0, 0);
   }
   frames_before = frames.size();

@@ -16,12 +16,16 @@ namespace kappaflow {
 /// One method over the whole run.
 struct MethodSummary {
   std::string name;
-  std::vector<SurfaceMetrics> frames;  ///< without their `pieces`, of which there may be many
-  PhaseSeconds seconds;                ///< summed over the frames that RunSummary times
+  std::vector<SurfaceMetrics> frames;   ///< without their `pieces`, of which there may be many
+  PhaseSeconds seconds;                 ///< summed over the frames that RunSummary times
+  std::vector<double> surface_seconds;  ///< PhaseSeconds::surface() of those, but for the first mesh's
 
-  double residual_max() const;  ///< largest of all frames [sigma]
+  double residual_max() const;                 ///< largest of all frames [sigma]
+  std::optional<double> time_a_frame() const;  ///< median of surface_seconds [s]
 
-  void add_frame(const std::string& method, const SurfaceMetrics& metrics, const PhaseSeconds& frame_seconds);
+  void add_frame(const std::string& method, const SurfaceMetrics& metrics);
+  /// Of the frame added last.
+  void add_seconds(const PhaseSeconds& frame_seconds);
 };
 
 /// The whole run.

@@ -1,7 +1,9 @@
 // Wall times, and the numbers of timings.csv.
 #pragma once
 
+#include <filesystem>
 #include <string>
+#include <vector>
 
 #include "core/stopwatch.h"
 #include "surface/tracker/surface_tracker.h"
@@ -33,5 +35,15 @@ double resident_memory();
 std::string timings_header();
 std::string timings_row(int frame, double time, const std::string& method, const PhaseSeconds& seconds,
                         double memory);
+
+/// What a row says of the surface alone: PhaseSeconds::surface().
+struct SurfaceTime {
+  int frame = 0;
+  std::string method;
+  double seconds = 0;
+};
+/// The rows of a timings.csv of any version: times that it lacks count as none. Empty where there is no such
+/// file. Throws IoError where it is something else.
+std::vector<SurfaceTime> read_surface_times(const std::filesystem::path& file);
 
 }  // namespace kappaflow

@@ -47,6 +47,15 @@ double measured_spacing(const ParticleSequence& sequence, const Particles& first
   }
 }
 
+/// Throws InvalidInput where a surface follows velocities that nobody knows.
+void require_velocities(const SurfaceDescription& surface, const ParticleSequence& sequence) {
+  for (const char* method : {"material", "fresh-grid"})
+    if (std::ranges::count(surface.methods, method) > 0)
+      throw InvalidInput(
+          fmt::format("{}: the velocity \"{}\" takes particles with velocities or ids; these have neither",
+                      sequence.name(), method));
+}
+
 /// Throws InvalidInput where textures are to come from particles that cannot be told apart.
 void require_ids(const SurfaceDescription& surface, const ParticleSequence& sequence) {
   const bool is_anchored = surface.anchor == Anchor::particles;
@@ -68,10 +77,7 @@ TrackSetup make_setup(const TrackOptions& options, const ParticleSequence& seque
   const bool is_cloud = sequence.velocity() == ParticleSequence::Velocity::unknown;
   surface.methods = options.methods;
   if (surface.methods.empty()) surface.methods = {is_cloud ? "regional" : "material"};
-  if (is_cloud && std::ranges::count(surface.methods, "material") > 0)
-    throw InvalidInput(fmt::format(
-        "{}: the velocity \"material\" takes particles with velocities or ids; these have neither",
-        sequence.name()));
+  if (is_cloud) require_velocities(surface, sequence);
   surface.anchor = options.anchor;
   require_ids(surface, sequence);
   surface.spacing = options.sigma ? 1 : setup.spacing;

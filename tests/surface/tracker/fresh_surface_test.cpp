@@ -71,6 +71,24 @@ TEST(FreshSurface, OfParticlesHasNoDrift) {
   }
 }
 
+/// The mean error of the texture on a grid after the ball has turned by 1.5 rad in frames of so many.
+double grid_error(int frames, double edge_length) {
+  SurfaceOptions how = options({FreshMesh::grid});
+  how.edge_length = edge_length;
+  TrackedSurfaces surfaces(ball(0), how);
+  EXPECT_LT(rest_error(surfaces.mesh(), 0), 1e-12);
+  for (int frame = 1; frame <= frames; ++frame) surfaces.advance(ball(1.0 * frame / frames));
+  return rest_error(surfaces.mesh(), 1);
+}
+
+// X is an affine function of x, which interpolation does not change: what is left comes from the border,
+// where it is continued, and gets less with the spacing.
+TEST(FreshSurface, OnAGridTurnsWithTheBody) {
+  const double coarse = grid_error(10, 0.4), fine = grid_error(10, 0.25);
+  EXPECT_LT(coarse, 0.03);
+  EXPECT_LT(fine, 0.6 * coarse);
+}
+
 TEST(FreshSurface, IsTheIsosurfaceOfEachFrameWithNewIds) {
   TrackedSurfaces surfaces(ball(0), options({FreshMesh::particles}));
   std::int64_t next_id = surfaces.mesh().next_id;
@@ -195,15 +213,19 @@ TEST(Anchor, VerticesStayOnTheirSideOfASeam) {
   EXPECT_LE(off, off_free);
 }
 
-TEST(FreshSurface, OfParticlesTakesIds) {
-  SurfaceOptions cloud = options({FreshMesh::particles});
-  cloud.is_cloud = true;
-  cloud.name = "drops";
-  try {
-    const TrackedSurfaces surfaces(ball(0), cloud);
-    FAIL();
-  } catch (const InvalidInput& error) {
-    EXPECT_STREQ(error.what(), "drops: textures from particles take particles with ids");
+TEST(FreshSurface, OfParticlesTakesIdsAndOnAGridVelocities) {
+  for (const auto& [mesh, message] :
+       {std::pair{FreshMesh::particles, "drops: textures from particles take particles with ids"},
+        std::pair{FreshMesh::grid, "drops: textures on a grid take particles with velocities"}}) {
+    SurfaceOptions cloud = options({mesh});
+    cloud.is_cloud = true;
+    cloud.name = "drops";
+    try {
+      const TrackedSurfaces surfaces(ball(0), cloud);
+      FAIL();
+    } catch (const InvalidInput& error) {
+      EXPECT_STREQ(error.what(), message);
+    }
   }
 }
 

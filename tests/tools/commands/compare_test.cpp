@@ -3,6 +3,7 @@
 #include "core/errors.h"
 #include "tests/tools/scratch.h"
 #include "tests/tools/text_table.h"
+#include "tools/runs/timings.h"
 
 namespace kappaflow {
 namespace {
@@ -47,6 +48,32 @@ TEST_F(Compare, MediansAndWhoIsBest) {
   EXPECT_EQ(bytes_of(folder / "out/slip.pdf").substr(0, 4), "%PDF");
   EXPECT_NE(bytes_of(folder / "out/slip.svg").find("<text>regional</text>"), std::string::npos);
   EXPECT_FALSE(std::filesystem::exists(folder / "out/texture_jump.png")) << "nobody has it";
+}
+
+// What the surface takes in frames after the first, whose mesh the first method bears alone: medians 0.3 and
+// 0.05 s.
+TEST_F(Compare, TimeAFrameIsOfTheSurfaceAlone) {
+  const auto one = run("one",
+                       "0,0,total,0.4,1,0.5,1,1\n0,0,regional,0.4,1,0.5,1,1\n"
+                       "1,1,total,0.4,1,0.5,1,1\n1,1,regional,0.4,1,0.5,1,1\n"
+                       "2,2,total,0.4,1,0.5,1,1\n2,2,regional,0.4,1,0.5,1,1\n");
+  file("one/timings.csv", timings_header() +
+                              "0,0,total,9,7000,0,0,0,0,9,1\n0,0,regional,9,40,0,0,0,0,9,1\n"
+                              "1,1,total,9,100,50,50,20,80,9,1\n1,1,regional,9,10,10,10,10,10,9,1\n"
+                              "2,2,total,9,100,0,0,0,0,9,1\n2,2,regional,9,20,0,0,0,0,9,1\n");
+  compare({{one}, folder / "out"});
+  for (const TextRow& row : read_table(folder / "out/compare.csv"))
+    if (row.at("median") == "time_a_frame") {
+      EXPECT_EQ(row.at("total"), "0.3");
+      EXPECT_EQ(row.at("regional"), "0.05");
+      EXPECT_EQ(row.at("best"), "regional");
+    }
+  EXPECT_NE(bytes_of(folder / "out/time_a_frame.svg").find("time a frame [s]"), std::string::npos);
+  file("one/timings.csv", timings_header() + "0,0,total\n");
+  EXPECT_EQ(message_of<IoError>([&] {
+              compare({{one}, {}});
+            }),
+            (one / "timings.csv").string() + ": row 1 has not as many cells as the table has columns");
 }
 
 TEST_F(Compare, RunsAreToldApartAndEqualsHaveNoBest) {

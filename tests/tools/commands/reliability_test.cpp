@@ -83,7 +83,7 @@ TEST_F(Reliability, SameBitsWhateverTheThreadsWithEveryMethod) {
                      methods, "--threads", std::string(name, 1)});
     ASSERT_EQ(result.exit_code, 0) << result.err;
   }
-  EXPECT_EQ(results_in(folder / "1").size(), 3 + 2 + 2 + 9 + 4 * (1 + 9));
+  EXPECT_EQ(results_in(folder / "1").size(), 3 + 2 + 2 + 10 + 4 * (1 + 10));
   for (const char* name : {"2", "4", "4 again"}) expect_same_results(folder / "1", folder / name);
 }
 

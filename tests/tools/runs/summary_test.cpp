@@ -16,7 +16,7 @@ std::string text_after(double mean, double max, double tolerance, double viscosi
   summary.add_frame({}, 0, 0);
   summary.add_frame(frame, 0, 0);
   summary.methods.resize(1);
-  summary.methods[0].add_frame("total", {}, {});
+  summary.methods[0].add_frame("total", {});
   return summary_text(summary, "A run", {}, "out/run");
 }
 
@@ -42,6 +42,23 @@ TEST(Summary, WarnsOfAViscositySolveThatDidNotConverge) {
                       "1.2 times what viscosity_tolerance allows; raise max_viscosity_iterations or "
                       "viscosity_tolerance\n"),
             std::string::npos);
+}
+
+// The first frame's time is that of the first mesh, which the first method bears alone.
+TEST(Summary, TimeAFrameIsTheMedianOfThoseAfterTheFirst) {
+  RunSummary summary;
+  summary.frames.resize(5);
+  summary.methods.resize(2);
+  for (const double seconds : {7.0, 0.25, 0.5, 0.125, 0.25}) {
+    summary.methods[0].add_frame("total", {});
+    summary.methods[0].add_seconds(
+        {.solver = 9, .velocity = 0.5 * seconds, .texture = 0.5 * seconds, .output = 9});
+  }
+  summary.methods[1].add_frame("normal", {});
+  const std::string text = summary_text(summary, "A run", {}, "out/run");
+  EXPECT_NE(text.find("unprojected     time\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("0    0.250\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("0        -\n"), std::string::npos) << text;
 }
 
 }  // namespace
