@@ -45,6 +45,16 @@ kappaflow_needs(X11 1.8 libx11-dev)  # to ask for a display before VTK's renderi
 kappaflow_needs(VTK 9.1 libvtk9-dev COMPONENTS
                 CommonColor CommonCore CommonDataModel FiltersCore IOCore IOGeometry IOLegacy IOXML IOImage jsoncpp
                 RenderingCore RenderingOpenGL2 RenderingFreeType)
+# Only for the experiment level-sets. Debian's FindOpenVDB.cmake ends the configuration where Boost's libraries are missing,
+# of which nothing is used here.
+find_path(OPENVDB_INCLUDE_DIR openvdb/openvdb.h)
+find_library(OPENVDB_LIBRARY openvdb)
+mark_as_advanced(OPENVDB_INCLUDE_DIR OPENVDB_LIBRARY)
+if(OPENVDB_INCLUDE_DIR AND OPENVDB_LIBRARY)
+  add_library(OpenVDB::openvdb UNKNOWN IMPORTED)
+  set_target_properties(OpenVDB::openvdb PROPERTIES IMPORTED_LOCATION ${OPENVDB_LIBRARY}
+                        INTERFACE_INCLUDE_DIRECTORIES ${OPENVDB_INCLUDE_DIR} INTERFACE_LINK_LIBRARIES TBB::tbb)
+endif()
 if(KAPPAFLOW_TESTS)
   kappaflow_needs(GTest 1.12 libgtest-dev)
 endif()

@@ -195,11 +195,16 @@ void judge(const std::vector<EnrightResult>& results, bool particles, Report& re
   report.statements = {judged(returns_to_start(particles), returns), judged(kSoundAtHalfTime, sound)};
 }
 
+std::vector<EnrightResult> track_all(const EnrightOptions& options, const MotionBetween& motion_between,
+                                     const ExperimentContext& context) {
+  const double resolution = context.options.quick ? kQuickEnrightResolution : kEnrightResolution;
+  const EnrightShape at_half(kHalfTime, resolution), at_end(kEndTime, resolution);
+  return track_all(options, motion_between, context, at_half, at_end);
+}
+
 Report enright(const ExperimentContext& context, const EnrightOptions& options, bool particles,
                const MotionBetween& motion_between, const std::string& introduction) {
-  const double resolution = context.options.quick ? 0.01 : 0.004;
-  const EnrightShape at_half(kHalfTime, resolution), at_end(kEndTime, resolution);
-  const std::vector<EnrightResult> results = track_all(options, motion_between, context, at_half, at_end);
+  const std::vector<EnrightResult> results = track_all(options, motion_between, context);
   Report report;
   report.name = context.name;
   report.title = options.title;
@@ -225,20 +230,41 @@ Report enright(const ExperimentContext& context, const EnrightOptions& options, 
   return report;
 }
 
+ParticleFieldOptions field_of(const EnrightParticles& particles, const EnrightOptions& options) {
+  ParticleFieldOptions field{.sigma = options.sigma * options.spacing, .weights = WeightRule::normalised};
+  field.threshold = particles.threshold(field.sigma);
+  return field;
+}
+
+MotionBetween motion_of(EnrightParticles& particles, const ParticleFieldOptions& field) {
+  return [&particles, field](double t0, double t1) -> std::unique_ptr<FieldMotion> {
+    const Particles before = particles.at(t0);
+    return std::make_unique<ParticleMotion>(before, particles.at(t1), field);
+  };
+}
+
+std::unique_ptr<FieldMotion> exact_motion(double t0, double t1) {
+  return std::make_unique<EnrightMotion>(t0, t1);
+}
+
 }  // namespace
+
+std::vector<EnrightResult> remeshed_in_enright(const ExperimentContext& context, bool on_particles) {
+  EnrightOptions options = read_options(context, on_particles, context.options.quick);
+  options.methods.clear();
+  options.remeshed = {options.edge_length};
+  if (!on_particles) return track_all(options, exact_motion, context);
+  EnrightParticles particles(options.spacing);
+  return track_all(options, motion_of(particles, field_of(particles, options)), context);
+}
 
 Report experiment_enright_particles(const ExperimentContext& context) {
   const EnrightOptions options = read_options(context, true, context.options.quick);
   EnrightParticles particles(options.spacing);
-  ParticleFieldOptions field{.sigma = options.sigma * options.spacing, .weights = WeightRule::normalised};
-  field.threshold = particles.threshold(field.sigma);
+  const ParticleFieldOptions field = field_of(particles, options);
   const std::size_t count = particles.at(0).size();
-  const auto motion_between = [&](double t0, double t1) -> std::unique_ptr<FieldMotion> {
-    const Particles before = particles.at(t0);
-    return std::make_unique<ParticleMotion>(before, particles.at(t1), field);
-  };
   return enright(
-      context, options, true, motion_between,
+      context, options, true, motion_of(particles, field),
       fmt::format(
           "{} particles, on shells {} m apart at the start, are carried by the flow exactly; the "
           "surface is that of Eq. 12 with sigma = {} m, normalised weights, and the threshold {:.4f} that "
@@ -248,10 +274,7 @@ Report experiment_enright_particles(const ExperimentContext& context) {
 
 Report experiment_enright_exact(const ExperimentContext& context) {
   const EnrightOptions options = read_options(context, false, context.options.quick);
-  const auto motion_between = [](double t0, double t1) -> std::unique_ptr<FieldMotion> {
-    return std::make_unique<EnrightMotion>(t0, t1);
-  };
-  return enright(context, options, false, motion_between,
+  return enright(context, options, false, exact_motion,
                  "The surface is the exact image of the sphere: its implicit function at the point that the "
                  "flow came from, with all derivatives.");
 }

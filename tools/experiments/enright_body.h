@@ -9,6 +9,9 @@
 
 namespace kappaflow {
 
+/// Of the exact shape's reference mesh, see EnrightShape [m].
+inline constexpr double kEnrightResolution = 0.004, kQuickEnrightResolution = 0.01;
+
 /// Distances between a mesh and the exact shape [m].
 struct ShapeError {
   double vertex_mean = 0, vertex_max = 0;      ///< from the mesh's vertices to the shape

@@ -16,6 +16,7 @@
 #include "tools/experiments/folding.h"
 #include "tools/experiments/gravity_current.h"
 #include "tools/experiments/hydrostatic.h"
+#include "tools/experiments/level_sets.h"
 #include "tools/experiments/minimiser_comparison.h"
 #include "tools/experiments/motions.h"
 #include "tools/experiments/plane_flow.h"
@@ -30,6 +31,7 @@ namespace kappaflow {
 namespace {
 
 namespace fs = std::filesystem;
+using InAll = Experiment::InAll;
 
 constexpr const char* kReportFile = "report.md";
 
@@ -40,6 +42,10 @@ const Experiment& experiment_named(std::string_view name) {
   for (const Experiment& experiment : experiments()) names.push_back(experiment.name);
   throw InvalidInput(fmt::format("unknown experiment \"{}\"; experiments are {}{}", name,
                                  fmt::join(names, ", "), suggestion(name, names)));
+}
+
+bool is_in_all(const Experiment& experiment, bool quick) {
+  return experiment.in_all == InAll::yes || (quick && experiment.in_all == InAll::if_quick);
 }
 
 std::vector<const Experiment*> chosen(const ExperimentOptions& options) {
@@ -55,7 +61,7 @@ std::vector<const Experiment*> chosen(const ExperimentOptions& options) {
     for (const Experiment& experiment : experiments())
       if (experiment.name.starts_with(kValidationPrefix)
               ? name == "validate"
-              : name == "all" && (experiment.part_of_all || options.quick))
+              : name == "all" && is_in_all(experiment, options.quick))
         add(experiment);
   }
   return result;
@@ -154,7 +160,10 @@ std::span<const Experiment> experiments() {
                  experiment_enright_particles},
       Experiment{"enright-exact", "experiments/enright.toml",
                  "the same on the exact implicit function; minutes, and not part of \"all\"",
-                 experiment_enright_exact, "", false},
+                 experiment_enright_exact, "", InAll::if_quick},
+      Experiment{"level-sets", "experiments/level-sets.toml",
+                 "level sets on grids beside tracked surfaces; takes OpenVDB, and not part of \"all\"",
+                 experiment_level_sets, "", InAll::no},
       Experiment{"validate-poiseuille", "experiments/validate-poiseuille.toml",
                  "plane Poiseuille flow between plates: profile and order", validate_poiseuille},
       Experiment{"validate-couette", "experiments/validate-couette.toml",

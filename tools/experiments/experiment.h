@@ -59,7 +59,7 @@ struct Experiment {
   std::string_view summary;  ///< one line for help texts
   ExperimentFunction run;
   std::string_view quick_file = {};  ///< of the quick variant; empty: its file's table [quick] describes that
-  bool part_of_all = true;           ///< without --quick; validations are never part of "all"
+  enum class InAll { yes, if_quick, no } in_all = InAll::yes;  ///< validations are never part of "all"
 };
 
 /// All of them, in the order in which help texts list them and "all" runs them.

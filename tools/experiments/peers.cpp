@@ -20,6 +20,21 @@ void read_peers(const ExperimentContext& context, const char* name, const Read& 
   table.finish();
 }
 
+Table table_of(const ExperimentContext& context, const char* name) {
+  Table table;
+  read_peers(context, name, [&](TomlTable& t) {
+    table.caption = t.text("caption");
+    table.header = t.texts("columns");
+    for (TomlTable& program : t.tables("program", true)) {
+      table.rows.push_back(program.texts("cells"));
+      if (table.rows.back().size() != table.header.size())
+        program.refuse("cells", fmt::format("{} texts, one a column", table.header.size()));
+      program.finish();
+    }
+  });
+  return table;
+}
+
 }  // namespace
 
 MeasuredFronts measured_fronts(const ExperimentContext& context) {
@@ -47,18 +62,11 @@ PaperFigures paper_figures(const ExperimentContext& context) {
 }
 
 Table enright_programs(const ExperimentContext& context) {
-  Table table;
-  read_peers(context, "enright_programs.toml", [&](TomlTable& t) {
-    table.caption = t.text("caption");
-    table.header = t.texts("columns");
-    for (TomlTable& program : t.tables("program", true)) {
-      table.rows.push_back(program.texts("cells"));
-      if (table.rows.back().size() != table.header.size())
-        program.refuse("cells", fmt::format("{} texts, one a column", table.header.size()));
-      program.finish();
-    }
-  });
-  return table;
+  return table_of(context, "enright_programs.toml");
+}
+
+Table level_set_papers(const ExperimentContext& context) {
+  return table_of(context, "level_set_papers.toml");
 }
 
 }  // namespace kappaflow

@@ -31,4 +31,7 @@ PaperFigures paper_figures(const ExperimentContext& context);
 /// enright_programs.toml: a row a program.
 Table enright_programs(const ExperimentContext& context);
 
+/// level_set_papers.toml: a row a method that others print figures of.
+Table level_set_papers(const ExperimentContext& context);
+
 }  // namespace kappaflow

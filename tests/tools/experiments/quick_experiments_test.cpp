@@ -288,6 +288,26 @@ TEST_F(QuickExperiment, ValidateFolding) {
   EXPECT_LT(std::stod(rows_[0].at("out_of_plane")), 0.3);
 }
 
+TEST_F(QuickExperiment, LevelSets) {
+  const ProgramResult tried =
+      run_program({"experiment", "level-sets", "--quick", "--out", (folder / "try").string()});
+  if (tried.err.find("OpenVDB") != std::string::npos) {
+    EXPECT_EQ(tried.exit_code, 5);
+    EXPECT_EQ(tried.err,
+              "kappaflow: error: OpenVDB: this program was built without it; tools/setup --openvdb installs "
+              "it (Debian: libopenvdb-dev), then run cmake --preset release and build again\n");
+    GTEST_SKIP() << "built without OpenVDB";
+  }
+  run("level-sets", "enright.csv");
+  for (const TextRow& row : rows_) {
+    const double lost = std::stod(row.at("volume_change_end"));
+    if (row.at("resolution").starts_with("edge"))
+      EXPECT_LT(std::abs(lost), 0.05) << row.at("method");
+    else
+      EXPECT_LT(lost, -0.1) << row.at("method") << " on so coarse a grid";
+  }
+}
+
 class ExperimentCommand : public Scratch {};
 
 TEST_F(ExperimentCommand, MistakesAreOneLine) {
