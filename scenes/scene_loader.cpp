@@ -284,6 +284,7 @@ void read_tracker(TomlTable& t, TrackerOptions& tracker) {
   tracker.integrator = t.choice("integrator", kIntegrators, std::optional(tracker.integrator));
   velocity.damping = t.number("damping", positive("", 1e3), velocity.damping);
   velocity.speed_limit = t.number("speed_limit", positive("", 1e3), velocity.speed_limit);
+  velocity.row_scale = t.choice("row_scale", kRowScales, std::optional(velocity.row_scale));
   projection.tolerance = t.number("projection_tolerance", positive("sigma", 0.01), projection.tolerance);
   projection.step_limit = t.number("projection_step_limit", positive("sigma", 1), projection.step_limit);
   projection.reach = t.number("projection_reach", positive("sigma", 10), projection.reach);

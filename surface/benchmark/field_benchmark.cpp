@@ -78,8 +78,8 @@ void jet_and_three_velocities(benchmark::State& state) {
     const Jet jet = field.jet(x);
     const TangentBasis basis = tangent_basis(jet.g.normalized());
     const Vec3 v_n = normal_velocity(jet, options);
-    const TangentialRows<2> total = total_rows(jet, basis, v_n);
-    const TangentialRows<4> all = stacked(total, curvature_rows(jet, basis, v_n));
+    const TangentialRows<2> total = total_rows(jet, basis, v_n, jet.length_scale);
+    const TangentialRows<4> all = stacked(total, curvature_rows(jet, basis, v_n, jet.length_scale));
     const Vec3 v_t = basis * solve_damped(total, options.damping).y;
     const Vec3 v_c = basis * solve_damped(all, options.damping).y;
     return Eigen::Matrix3d{

@@ -6,9 +6,10 @@
 
 namespace kappaflow {
 
-TangentialRows<2> curvature_rows(const Jet& jet, const TangentBasis& basis, const Vec3& normal_velocity) {
+TangentialRows<2> curvature_rows(const Jet& jet, const TangentBasis& basis, const Vec3& normal_velocity,
+                                 double length) {
   const CurvatureJet c = curvature_jet(jet);
-  const double L = jet.length_scale, scale_K = L * L * L, scale_H = L * L;
+  const double scale_K = length * length * length, scale_H = length * length;
   TangentialRows<2> rows;
   rows.R.row(0) = scale_K * c.grad_K.transpose() * basis;
   rows.R.row(1) = scale_H * c.grad_H.transpose() * basis;
@@ -22,7 +23,8 @@ void evaluate_curvature_only(const Field& field, const SurfacePoints& points, co
   evaluate_pointwise(field, points, result, [&](const Vec3& /*x*/, const Jet& jet) {
     const TangentBasis basis = tangent_basis(jet.g.normalized());
     const Vec3 v_n = normal_velocity(jet, options);
-    return with_tangential(v_n, basis, curvature_rows(jet, basis, v_n), jet, options);
+    return with_tangential(v_n, basis, curvature_rows(jet, basis, v_n, row_length(jet, options)), jet,
+                           options);
   });
 }
 
@@ -31,7 +33,9 @@ void evaluate_curvature(const Field& field, const SurfacePoints& points, const V
   evaluate_pointwise(field, points, result, [&](const Vec3& /*x*/, const Jet& jet) {
     const TangentBasis basis = tangent_basis(jet.g.normalized());
     const Vec3 v_n = normal_velocity(jet, options);
-    const TangentialRows<4> rows = stacked(total_rows(jet, basis, v_n), curvature_rows(jet, basis, v_n));
+    const double length = row_length(jet, options);
+    const TangentialRows<4> rows =
+        stacked(total_rows(jet, basis, v_n, length), curvature_rows(jet, basis, v_n, length));
     return with_tangential(v_n, basis, rows, jet, options);
   });
 }
@@ -42,7 +46,9 @@ void evaluate_curvature_first(const Field& field, const SurfacePoints& points, c
   evaluate_pointwise(field, points, result, [&](const Vec3& /*x*/, const Jet& jet) {
     const TangentBasis basis = tangent_basis(jet.g.normalized());
     const Vec3 v_n = normal_velocity(jet, options);
-    const TangentialRows<2> curvature = curvature_rows(jet, basis, v_n), total = total_rows(jet, basis, v_n);
+    const double length = row_length(jet, options);
+    const TangentialRows<2> curvature = curvature_rows(jet, basis, v_n, length),
+                            total = total_rows(jet, basis, v_n, length);
     const Vec2 by_curvature = solve_damped(curvature, options.damping).y,
                by_total = solve_damped(total, options.damping).y;
     const auto [Q, V] = orthogonal_columns(curvature.R);

@@ -22,6 +22,11 @@ inline TangentBasis tangent_basis(const Vec3& n) {
   return basis;
 }
 
+/// The length L of total_rows() and curvature_rows() [m].
+inline double row_length(const Jet& jet, const VelocityOptions& options) {
+  return options.row_scale == RowScale::sigma ? jet.length_scale : 1;
+}
+
 /// Normal velocity plus the damped, limited solution of the tangential rows of a jet in the given basis.
 template <int Rows>
 PointVelocity with_tangential(const Vec3& normal_velocity, const TangentBasis& basis,

@@ -6,9 +6,10 @@
 namespace kappaflow {
 
 /// dn/dt = 0 as equations for the tangential velocity (Stam & Schmidt 2011; Fujisawa et al. 2011, Eq. 5):
-///   L E^T A E y / |g| = -L E^T (A v_n + g_t) / |g|,   L = jet.length_scale.
+///   L E^T A E y / |g| = -L E^T (A v_n + g_t) / |g|,   L = length [m], see row_length().
 /// Singular where K = 0. Requires jet.g != 0.
-TangentialRows<2> total_rows(const Jet& jet, const TangentBasis& basis, const Vec3& normal_velocity);
+TangentialRows<2> total_rows(const Jet& jet, const TangentBasis& basis, const Vec3& normal_velocity,
+                             double length);
 
 /// Method `total`: Eq. 4 with Eq. 5.
 void evaluate_total(const Field& field, const SurfacePoints& points, const VelocityOptions& options,

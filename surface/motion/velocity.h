@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/connectivity.h"
+#include "core/named.h"
 #include "surface/field/field.h"
 
 namespace kappaflow {
@@ -22,6 +23,14 @@ struct SurfacePoints {
   const VertexRings& rings;        ///< one-ring neighbours
 };
 
+/// Before the tangential velocity the rows of Eqs. 5, 7 and 8 have units of 1/m, 1/m3 and 1/m2. sigma: the
+/// field's length scale makes them dimensionless. metre: nothing does, which is the sum of squares of Eq. 10
+/// as printed; its minimum depends on the unit of length.
+enum class RowScale { sigma, metre };
+
+/// What scenes call them.
+inline constexpr Named<RowScale> kRowScales[] = {{"sigma", RowScale::sigma}, {"metre", RowScale::metre}};
+
 /// Options of the velocity methods.
 struct VelocityOptions {
   /// lambda of the damped least squares (R^T R + lambda^2 I) y = R^T b on the dimensionless rows. 0.1 suits
@@ -31,6 +40,8 @@ struct VelocityOptions {
   /// |v_t| of `regional` to that of its window. In a rotation the surface is faster than any particle centre:
   /// use 4 for few rotating particles.
   double speed_limit = 1;
+  /// Of the methods that keep normals and curvatures; with metre the damping is in units of these rows.
+  RowScale row_scale = RowScale::sigma;
 };
 
 /// Where a method writes what it finds: one entry a point.

@@ -199,6 +199,7 @@ TEST(GoodScenes, EverySurfaceAndOutputKeyArrives) {
   EXPECT_EQ(surface.tracker.integrator, TimeIntegrator::rk4);
   EXPECT_EQ(surface.tracker.velocity.damping, 0.2);
   EXPECT_EQ(surface.tracker.velocity.speed_limit, 1.5);
+  EXPECT_EQ(surface.tracker.velocity.row_scale, RowScale::metre);
   EXPECT_EQ(surface.tracker.projection.tolerance, 1e-5);
   EXPECT_EQ(surface.tracker.projection.step_limit, 0.3);
   EXPECT_EQ(surface.tracker.projection.reach, 0.9);

@@ -98,7 +98,9 @@ Problem make_problem(const std::string& name, double damping, const Field& field
     if (!has_gradient(jet)) continue;
     const TangentBasis basis = tangent_basis(jet.g.normalized());
     const Vec3 v_n = normal_velocity(jet, {});
-    problem.rows.push_back(stacked(total_rows(jet, basis, v_n), curvature_rows(jet, basis, v_n)));
+    const double length = jet.length_scale;
+    problem.rows.push_back(
+        stacked(total_rows(jet, basis, v_n, length), curvature_rows(jet, basis, v_n, length)));
   }
   problem.jet_nanoseconds = 1e9 * watch.seconds() / static_cast<double>(problem.rows.size());
   for (const TangentialRows<4>& rows : problem.rows)

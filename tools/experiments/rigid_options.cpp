@@ -61,6 +61,8 @@ void read_tracking(TomlTable t, RigidExperiment& experiment, double& edge_length
   edge_length = t.number("edge_length", positive("m", kMaxSize));
   experiment.tracker.velocity.damping = t.number("damping", positive("", 1e3));
   experiment.tracker.velocity.speed_limit = t.number("speed_limit", positive("", 1e3));
+  experiment.tracker.velocity.row_scale =
+      t.choice("row_scale", kRowScales, std::optional(experiment.tracker.velocity.row_scale));
   experiment.tracker.projection.tolerance = t.number("projection_tolerance", positive("sigma", 0.01));
   experiment.tracker.fairing.moves =
       t.choice("fairing_moves", kFairedVertices, std::optional(experiment.tracker.fairing.moves));

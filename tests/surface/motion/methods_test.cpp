@@ -2,6 +2,7 @@
 #include <tbb/global_control.h>
 
 #include <Eigen/Geometry>
+#include <Eigen/QR>
 #include <numbers>
 #include <set>
 
@@ -27,11 +28,13 @@ using testing::velocities_at;
 /// Nearly no damping and no limit: what the equations themselves say.
 constexpr VelocityOptions kUndamped{.damping = 1e-9, .speed_limit = 1e6};
 
-/// A body of seven unequal particles with random velocities.
-ParticleField tumbling_body() {
+/// A body of seven unequal particles with random velocities, in a world of another size.
+ParticleField tumbling_body(double scale = 1) {
   testing::Body body = testing::read_body_of_seven();
   std::mt19937 random(1);
-  testing::set_velocities(body.particles, [&](const Vec3&) { return random_vector(random, 1); });
+  testing::set_velocities(body.particles, [&](const Vec3&) { return scale * random_vector(random, 1); });
+  for (Vec3& x : body.particles.position) x *= scale;
+  for (double& sigma : body.particles.sigma) sigma *= scale;
   return ParticleField(body.particles, body.threshold, 0);
 }
 
@@ -137,14 +140,15 @@ TEST(CurvatureOnlyVelocity, KeepsBothCurvatures) {
 }
 
 // Eq. 10 by brute force: no tangential velocity on a fine grid of directions and lengths has smaller
-// residuals.
-TEST(CurvatureVelocity, MinimisesTheSumOfEquation10) {
-  const ParticleField field = tumbling_body();
+// residuals, in units of the length scale or as they are.
+void expect_least_sum_of_equation_10(const ParticleField& field, RowScale row_scale) {
+  VelocityOptions options = kUndamped;
+  options.row_scale = row_scale;
   const std::vector<Vec3> points = surface_points(field, 30, 5);
-  const SurfaceVelocities result = velocities_at(field, "curvature", points, kUndamped);
-  const auto sum_of_squares = [](const Jet& jet, const Vec3& v) {
+  const SurfaceVelocities result = velocities_at(field, "curvature", points, options);
+  const auto sum_of_squares = [&](const Jet& jet, const Vec3& v) {
     const CurvatureJet c = curvature_jet(jet);
-    const double L = jet.length_scale;
+    const double L = row_scale == RowScale::metre ? 1 : jet.length_scale;
     const Vec3 n = jet.g.normalized(), g_rate = jet.A * v + jet.g_t;
     return (L / jet.g.norm() * (g_rate - g_rate.dot(n) * n)).squaredNorm() +
            std::pow(L * L * L * (c.grad_K.dot(v) + c.K_t), 2) +
@@ -157,9 +161,71 @@ TEST(CurvatureVelocity, MinimisesTheSumOfEquation10) {
     for (int k = 0; k < 32; ++k)
       for (double length = 1e-4; length < 10; length *= 3) {
         const double angle = 2 * std::numbers::pi * k / 32;
-        const Vec3 v = result.velocity[i] + E * Vec2(length * std::cos(angle), length * std::sin(angle));
+        const Vec2 y = jet.length_scale * length * Vec2(std::cos(angle), std::sin(angle));
+        const Vec3 v = result.velocity[i] + E * y;
         EXPECT_GE(sum_of_squares(jet, v), least * (1 - 1e-9));
       }
+  }
+}
+
+TEST(CurvatureVelocity, MinimisesTheSumOfEquation10) {
+  expect_least_sum_of_equation_10(tumbling_body(), RowScale::sigma);
+  expect_least_sum_of_equation_10(tumbling_body(0.05), RowScale::sigma);
+  expect_least_sum_of_equation_10(tumbling_body(0.05), RowScale::metre);
+}
+
+/// Three equal particles that turn, of that sigma [m].
+ParticleField three_particles(double sigma) {
+  FieldParticles particles;
+  const Vec3 turn(0.3, -0.2, 1);
+  for (const Vec3& x : {Vec3(0.4, 0, 0), Vec3(-0.2, 0.35, 0), Vec3(-0.1, -0.3, 0.1)}) {
+    particles.position.push_back(sigma * x);
+    particles.velocity.push_back(sigma * turn.cross(x));
+    particles.sigma.push_back(sigma);
+    particles.weight.push_back(1);
+    particles.weight_rate.push_back(0);
+  }
+  return ParticleField(particles, 0.3, 0);
+}
+
+TEST(RowScale, ChangesNothingWhereSigmaIsAMetre) {
+  const ParticleField field = three_particles(1);
+  const std::vector<Vec3> points = surface_points(field, 100, 9);
+  for (const char* method : {"total", "curvature", "curvature-only", "curvature-first"}) {
+    const SurfaceVelocities scaled = velocities_at(field, method, points, {.speed_limit = 4}),
+                            plain = velocities_at(field, method, points,
+                                                  {.speed_limit = 4, .row_scale = RowScale::metre});
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      EXPECT_LT((scaled.velocity[i] - plain.velocity[i]).norm(), 1e-12) << method;
+      EXPECT_NEAR(scaled.confidence[i], plain.confidence[i], 1e-12);
+    }
+  }
+}
+
+// The plain sum of a world of that sigma is the scaled one with the weights 1/sigma, 1/sigma^3 and 1/sigma^2.
+TEST(RowScale, PlainSumsWeighTheRowsByTheirUnits) {
+  for (const double sigma : {10.0, 0.1, 0.01}) {
+    const ParticleField field = three_particles(sigma);
+    const std::vector<Vec3> points = surface_points(field, 100, 9);
+    VelocityOptions plain = kUndamped;
+    plain.row_scale = RowScale::metre;
+    const SurfaceVelocities result = velocities_at(field, "curvature", points, plain);
+    double change = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Jet jet = field.jet(points[i]);
+      const TangentBasis E = tangent_basis(jet.g.normalized());
+      const Vec3 v_n = normal_velocity(jet, plain);
+      const TangentialRows<4> rows =
+          stacked(total_rows(jet, E, v_n, sigma), curvature_rows(jet, E, v_n, sigma));
+      const Eigen::Vector4d weight(1 / sigma, 1 / sigma, std::pow(sigma, -3), std::pow(sigma, -2));
+      const Eigen::Matrix<double, 4, 2> R = weight.asDiagonal() * rows.R;
+      const Eigen::Vector4d b = weight.cwiseProduct(rows.b);
+      const Vec2 scaled = rows.R.colPivHouseholderQr().solve(rows.b),
+                 weighted = R.colPivHouseholderQr().solve(b);
+      EXPECT_LT((result.velocity[i] - v_n - E * weighted).norm(), 1e-6 * (sigma + weighted.norm())) << sigma;
+      change = std::max(change, (scaled - weighted).norm() / sigma);
+    }
+    EXPECT_GT(change, 0.1) << "the unit of length matters";
   }
 }
 
@@ -170,9 +236,10 @@ TEST(VelocityMethods, DoNotDependOnTheTangentBasis) {
     const Vec3 v_n = normal_velocity(jet, {});
     const TangentBasis E = tangent_basis(jet.g.normalized());
     const TangentBasis turned = E * Eigen::Rotation2Dd(0.7).toRotationMatrix();
+    const double L = jet.length_scale;
     const auto velocity = [&](const TangentBasis& basis) -> Vec3 {
       return basis *
-             solve_damped(stacked(total_rows(jet, basis, v_n), curvature_rows(jet, basis, v_n)), 0.1).y;
+             solve_damped(stacked(total_rows(jet, basis, v_n, L), curvature_rows(jet, basis, v_n, L)), 0.1).y;
     };
     EXPECT_LT((velocity(E) - velocity(turned)).norm(), 1e-12);
   }
