@@ -8,21 +8,17 @@
 
 #include "tools/pictures/plot_axis.h"
 #include "tools/pictures/plot_labels.h"
+#include "tools/pictures/plot_page.h"
 
 namespace kappaflow {
 namespace {
 
-// Lengths are in millimetres, those of type and lines in points.
-constexpr double kColumn = 89, kPage = 183;  // widths of journals
-constexpr double kHeight = 62;               // of one plot with all that stands around it
-constexpr double kType = 7, kTitle = 8;
-constexpr double kCharacter = 1.42;  // mean width
-constexpr double kLine = 3.2;        // from one line of text to the next
+// Lengths are in millimetres.
+constexpr double kHeight = 62;  // of one plot with all that stands around it
+constexpr double kLine = 3.2;   // from one line of text to the next
 constexpr double kBelow = 10, kAbove = 6, kYLabel = 5.5, kAroundTicks = 2;
 constexpr double kReach = 3, kSample = 5,
                  kGap = 1;  // from a curve's end to its sample, the sample, to its name
-constexpr double kMillimetresPerInch = 25.4;
-constexpr double kMark = 0.45;  // size, of gnuplot's
 
 constexpr std::size_t kFewPoints = 31;  // as many are all marked
 constexpr int kMarks = 6;               // on a curve of more
@@ -38,18 +34,6 @@ constexpr LineStyle kStyles[kPlotStyles] = {{"#0072b2", 7}, {"#d55e00", 4},  {"#
                                             {"#56b4e9", 5}, {"#e69f00", 10}, {"#000000", 13}, {"#999933", 6},
                                             {"#882255", 2}, {"#888888", 8}};
 constexpr LineStyle kReference{"#000000", 0};
-
-/// In double quotes: within braces gnuplot does not know those of single ones.
-std::string quoted(const std::string& text) {
-  std::string result = "\"";
-  for (const char c : text) result += c == '"' || c == '\\' ? std::string{'\\', c} : std::string(1, c);
-  return result + "\" noenhanced";
-}
-
-double text_width(const std::string& text) {
-  const auto begins = [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; };
-  return kCharacter * static_cast<double>(std::ranges::count_if(text, begins));
-}
 
 /// Of a tick: raised digits are smaller, and what raises them has no width.
 double tick_width(const std::string& text) {
@@ -271,50 +255,18 @@ std::string plot_lines(const PlacedPlot& placed, std::size_t index, double page_
          curve_list(placed, index);
 }
 
-/// How a format's terminal is called, and what it makes of a type size, a line width and a mark of 1.
-struct Terminal {
-  const char *format, *name;
-  double per_inch;  ///< of its unit of length; 0: it takes centimetres
-  double type, line, mark;
-  const char* more;
-};
-constexpr Terminal kTerminals[] = {
-    {kPlotFormats[0], "pngcairo", 200, 200.0 / 96, 2.4, 2.4, ""},
-    {kPlotFormats[1], "pdfcairo", 0, 0.75, 1.7, 1, ""},
-    {kPlotFormats[2], "svg", 96, 96.0 / 72, 1.15, 1.35, " background 'white'"},
-};
-
-/// The same type, lines and marks in all formats: a string for each that sets its terminal.
-std::string terminals(double width, double height) {
-  std::string lines;
-  for (const Terminal& t : kTerminals) {
-    const auto length = [&](double millimetres) {
-      return t.per_inch > 0 ? fmt::format("{}", std::lround(millimetres / kMillimetresPerInch * t.per_inch))
-                            : fmt::format("{:.4g}cm", millimetres / 10);
-    };
-    lines += fmt::format(
-        "{} = \"set terminal {} size {},{} enhanced font 'sans-serif,{}' fontscale {:.4g} linewidth {}{}; "
-        "mark = {:.4g}\"\n",
-        t.format, t.name, length(width), length(height), kType, t.type, t.line, t.more, kMark * t.mark);
-  }
-  return lines;
-}
-
 }  // namespace
 
 std::string plot_script(const std::string& name, std::span<const Plot> plots) {
   const std::vector<PlacedPlot> placed = place_all(plots);
   const std::size_t rows = (plots.size() + 1) / 2;
   const double width = page_width(plots), height = kHeight * static_cast<double>(rows);
-  std::string script = fmt::format("# gnuplot {0}.gp draws {0}.png, {0}.pdf and {0}.svg\n", name);
-  for (std::size_t p = 0; p < placed.size(); ++p) script += data_blocks(placed[p], p);
-  script += terminals(width, height) + "set encoding utf8\nif (!exists('suffix')) suffix = ''\n";
-  script += "do for [format in 'png pdf svg'] {\neval value(format)\n";
-  script += fmt::format("set output '{}.'.format.suffix\nset multiplot\n", name);
-  script +=
+  std::string data;
+  for (std::size_t p = 0; p < placed.size(); ++p) data += data_blocks(placed[p], p);
+  std::string drawing =
       "set border 3 lw 0.5\nset tics nomirror out scale 0.5,0.25\nset grid lw 0.4 lt 1 lc rgb '#dddddd'\n";
-  for (std::size_t p = 0; p < placed.size(); ++p) script += plot_lines(placed[p], p, width, height);
-  return script + "unset multiplot\nunset output\n}\n";
+  for (std::size_t p = 0; p < placed.size(); ++p) drawing += plot_lines(placed[p], p, width, height);
+  return page_script(name, data, width, height, drawing);
 }
 
 }  // namespace kappaflow

@@ -8,9 +8,6 @@
 
 namespace kappaflow {
 
-/// The files that a script draws, by how their names end.
-inline constexpr const char* kPlotFormats[] = {"png", "pdf", "svg"};
-
 /// A script that draws `name`.png, .pdf and .svg, or, where the variable `suffix` is set, files with it
 /// behind these names.
 std::string plot_script(const std::string& name, std::span<const Plot> plots);

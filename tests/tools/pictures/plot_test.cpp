@@ -5,6 +5,7 @@
 
 #include "core/errors.h"
 #include "tests/tools/scratch.h"
+#include "tools/pictures/cell_map.h"
 #include "tools/pictures/plot_axis.h"
 #include "tools/pictures/plot_labels.h"
 
@@ -147,6 +148,25 @@ TEST_F(Plots, LongNamesHaveTheWidthOfAPage) {
 TEST_F(Plots, NothingToDrawMakesEmptyAxes) {
   draw_plots(folder, "none", std::vector<Plot>{{"", "x", "y", {{"a", {}}}}});
   EXPECT_NE(bytes_of(folder / "none.svg").find("<text>y</text>"), std::string::npos);
+}
+
+TEST_F(Plots, MapsHaveACellForEveryPair) {
+  const std::vector<std::string> kinds{"neither", "this", "that", "both"};
+  const CellMap map{"a_title",
+                    "x",
+                    "y",
+                    {"1", "2"},
+                    {"low", "high"},
+                    {{0, "a", "b"}, {1, "c", "d"}, {2, "e", "f"}, {3, "g", "h"}}};
+  draw_cell_maps(folder, "map", kinds, std::vector<CellMap>{map, map, map});
+  const std::string drawing = bytes_of(folder / "map.svg"), script = bytes_of(folder / "map.gp");
+  for (const char* text : {"a_title", "neither", "both", "a", "d", "h"})
+    EXPECT_NE(drawing.find("<text>" + std::string(text) + "</text>"), std::string::npos) << text;
+  EXPECT_NE(script.find("('low' 0.5, 'high' 1.5)"), std::string::npos) << "rows from below";
+  EXPECT_NE(script.find("from 0,1 to 1,2 fc rgb '#a9d6f5'"), std::string::npos)
+      << "the third: left, upper row";
+  EXPECT_NE(drawing.find("width=\"692\""), std::string::npos);
+  EXPECT_EQ(bytes_of(folder / "map.png").substr(0, 4), "\x89PNG");
 }
 
 TEST_F(Plots, AFailureIsAnError) {
