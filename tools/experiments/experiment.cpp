@@ -19,6 +19,7 @@
 #include "tools/experiments/level_sets.h"
 #include "tools/experiments/minimiser_comparison.h"
 #include "tools/experiments/motions.h"
+#include "tools/experiments/paper_map.h"
 #include "tools/experiments/plane_flow.h"
 #include "tools/experiments/rigid_figures.h"
 #include "tools/experiments/validation.h"
@@ -145,6 +146,9 @@ std::span<const Experiment> experiments() {
                  experiment_fig7},
       Experiment{"fig8", "experiments/fig8.toml", "one particle, thirty turns: the error turn by turn",
                  experiment_fig8},
+      Experiment{"paper-map", "experiments/paper-map.toml",
+                 "where the statements on Figs. 4, 5 and 8 hold, over what the paper leaves open",
+                 experiment_paper_map},
       Experiment{"body", "experiments/body.toml", "seven unequal particles, ten turns: features everywhere",
                  experiment_body},
       Experiment{"motions", "experiments/motions.toml",

@@ -20,6 +20,11 @@ struct MinimiserOptions {
   /// Stops when an iteration lowers the value by no more than this share of what all of them together have.
   /// The point's relative error is then about the square root of it, times the problem's condition.
   double tolerance = 1e-14;
+  /// Or by no more than this share of the value itself, which near a minimum that is not 0 is sooner.
+  double value_tolerance = 0;
+  /// Of the line searches of Powell's method, relative to their length. Loose: the last parabola is better
+  /// than that, and finer lines take three times the evaluations.
+  double line_tolerance = 1e-3;
   double step = 1;           ///< length of the first steps, in the units of x
   int max_iterations = 100;  ///< each of them N line searches in Powell's method, and one in BFGS
 };
@@ -35,9 +40,10 @@ struct Minimum {
 namespace minimisers {
 
 /// Whether lowering the value by `gain` is not worth another iteration.
-inline bool is_negligible(double gain, double start, double value, double tolerance) {
+inline bool is_negligible(double gain, double start, double value, const MinimiserOptions& options) {
   constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();
-  return gain <= tolerance * (start - value) + kRounding * std::abs(value);
+  return gain <=
+         options.tolerance * (start - value) + (options.value_tolerance + kRounding) * std::abs(value);
 }
 
 /// What Powell's method has at hand between two line searches.
@@ -51,12 +57,11 @@ struct PowellSearch {
   }
   /// Moves to the minimum along a direction; returns how much lower it is.
   double minimise_along(const Vector& direction) {
-    // Loose: the last parabola is better than that, and finer lines take three times the evaluations.
-    constexpr double kRelative = 1e-3, kAbsolute = 1e-7;
+    constexpr double kAbsolute = 1e-7;
     const auto on_line = [&](double t) { return value_at(best.x + t * direction); };
     const double value_before = best.value;
     const LineMinimum line = brent_minimum(on_line, bracket_minimum(on_line, best.value, options.step),
-                                           kRelative, kAbsolute * options.step);
+                                           options.line_tolerance, kAbsolute * options.step);
     if (line.value < value_before) best.x += line.t * direction, best.value = line.value;
     return value_before - best.value;
   }
@@ -96,7 +101,7 @@ Minimum<N> minimise_powell(const Function& f, const Eigen::Matrix<double, N, 1>&
   const double value_at_start = best.value;
   for (int i = 0; i < options.max_iterations && !best.converged; ++i) {
     const double gain = search.iterate();
-    best.converged = minimisers::is_negligible(gain, value_at_start, best.value, options.tolerance);
+    best.converged = minimisers::is_negligible(gain, value_at_start, best.value, options);
   }
   return best;
 }
@@ -116,7 +121,7 @@ Minimum<N> minimise_bfgs(const Function& f, const Eigen::Matrix<double, N, 1>& s
   for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
     const Vector step = -inverse_hessian * gradient;
     const double decrease = -gradient.dot(step);  // twice what the model promises
-    best.converged = minimisers::is_negligible(0.5 * decrease, value_at_start, best.value, options.tolerance);
+    best.converged = minimisers::is_negligible(0.5 * decrease, value_at_start, best.value, options);
     if (best.converged) break;
 
     const auto evaluate = [&](double t, double& rate) {

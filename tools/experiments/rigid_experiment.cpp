@@ -41,9 +41,21 @@ RigidSample sample(const TriangleMesh& mesh, const SteadyMotion& motion, double 
   return s;
 }
 
-void run_case(const RigidExperiment& experiment, const TriangleMesh& start, RigidCase& c) {
+}  // namespace
+
+TriangleMesh start_mesh(const RigidExperiment& experiment, const RigidBody& body, const std::string& file) {
+  RigidParticles at_start(body.particles, body.threshold, experiment.motion, 0, 1);
+  TriangleMesh mesh = initial_mesh(*at_start.at(0), body.edge_length, experiment.tracker.projection);
+  if (mesh.triangles.empty())
+    throw InvalidInput({file},
+                       fmt::format("body \"{}\" has no surface at threshold {}", body.name, body.threshold));
+  return mesh;
+}
+
+void run_rigid_case(const RigidExperiment& experiment, const TriangleMesh& start,
+                    const VelocityFunction& velocity, RigidCase& c) {
   TrackerOptions options = experiment.tracker;
-  options.method = velocity_method(c.method).evaluate;
+  options.method = velocity;
   options.integrator = c.integrator;
   options.fairing.iterations = c.fairing_iterations;
   SurfaceTracker tracker(start, options);
@@ -63,8 +75,6 @@ void run_case(const RigidExperiment& experiment, const TriangleMesh& start, Rigi
   }
 }
 
-}  // namespace
-
 double RigidCase::mean_over_run() const {
   double sum = 0;
   for (std::size_t s = 1; s < samples.size(); ++s) sum += samples[s].mean_error;
@@ -81,18 +91,14 @@ std::vector<RigidCase> run_rigid_experiment(const RigidExperiment& experiment,
                                             const ExperimentContext& context) {
   std::vector<RigidCase> cases;
   for (const RigidBody& body : experiment.bodies) {
-    RigidParticles at_start(body.particles, body.threshold, experiment.motion, 0, 1);
-    const TriangleMesh start = initial_mesh(*at_start.at(0), body.edge_length, experiment.tracker.projection);
-    if (start.triangles.empty())
-      throw InvalidInput({context.file.string()}, fmt::format("body \"{}\" has no surface at threshold {}",
-                                                              body.name, body.threshold));
+    const TriangleMesh start = start_mesh(experiment, body, context.file.string());
     for (const TimeIntegrator integrator : experiment.integrators)
       for (const int fairing : experiment.fairing_iterations)
         for (const std::string& method : experiment.methods) {
           context.say(fmt::format("{}, {}, {}, {} fairing iterations", body.name, method,
                                   name_of(kIntegrators, integrator), fairing));
           cases.push_back({&body, method, integrator, fairing, 0, {}, {}});
-          run_case(experiment, start, cases.back());
+          run_rigid_case(experiment, start, velocity_method(method).evaluate, cases.back());
         }
   }
   return cases;

@@ -68,6 +68,13 @@ struct RigidCase {
   }
 };
 
+/// The body's mesh at the start. Throws InvalidInput with the file's name where it has no surface.
+TriangleMesh start_mesh(const RigidExperiment& experiment, const RigidBody& body, const std::string& file);
+
+/// Tracks one combination with that velocity, which c.method names, and fills in size, samples and kept.
+void run_rigid_case(const RigidExperiment& experiment, const TriangleMesh& start,
+                    const VelocityFunction& velocity, RigidCase& c);
+
 /// Tracks every combination, in the order body, integrator, fairing, method.
 std::vector<RigidCase> run_rigid_experiment(const RigidExperiment& experiment,
                                             const ExperimentContext& context);

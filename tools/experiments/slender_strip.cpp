@@ -14,7 +14,7 @@
 namespace kappaflow {
 namespace {
 
-constexpr int kStripIntervals = 100;     // segments over the height, at the slot
+constexpr int kSegments = 100;           // segments over the height, at the slot
 constexpr int kStepsPerSegment = 4;      // time steps
 constexpr double kWatched = 0.55;        // how far below the slot the strip is watched, in heights
 constexpr int kSkipped = 2, kFolds = 5;  // there and back: first ones, and those that count
@@ -64,7 +64,7 @@ class Strip {
  public:
   explicit Strip(const FallingStrip& strip)
       : strip_(strip),
-        length_(strip.height / kStripIntervals),
+        length_(strip.height / kSegments),
         step_(length_ / (kStepsPerSegment * strip.speed)),
         volume_(strip.thickness * strip.width * length_) {}
 

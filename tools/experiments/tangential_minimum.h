@@ -38,18 +38,18 @@ struct TangentialMinimum {
   int evaluations;    ///< of the sum; 1 for the closed form
 };
 
-/// Finds it from y = 0. scale: a speed that y is measured in, so that the minimiser's
-/// tolerances are dimensionless [m/s]; where it is 0 nothing moves, and any will do.
+/// Finds it from y = start [m/s], which the closed form needs not. scale: a speed that y is measured in, so
+/// that the minimiser's tolerances are dimensionless [m/s]; where it is 0 nothing moves, and any will do.
 template <int Rows>
-TangentialMinimum minimise(const TangentialRows<Rows>& rows, double lambda, double scale,
-                           Minimiser minimiser) {
+TangentialMinimum minimise(const TangentialRows<Rows>& rows, double lambda, double scale, Minimiser minimiser,
+                           const Vec2& start = Vec2::Zero(), const MinimiserOptions& options = {}) {
   const DampedSolution closed = solve_damped(rows, lambda);
   if (minimiser == Minimiser::closed_form) return {closed.y, closed.confidence, 1};
   const double unit = scale > 0 ? scale : 1;
   const DampedSum<Rows> sum{rows, rows.b / unit, lambda};
-  const Vec2 start = Vec2::Zero();
+  const Vec2 z = start / unit;
   const Minimum<2> minimum =
-      minimiser == Minimiser::bfgs ? minimise_bfgs<2>(sum, start) : minimise_powell<2>(sum, start);
+      minimiser == Minimiser::bfgs ? minimise_bfgs<2>(sum, z, options) : minimise_powell<2>(sum, z, options);
   return {unit * minimum.x, closed.confidence, minimum.evaluations};
 }
 

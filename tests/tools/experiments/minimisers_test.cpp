@@ -12,6 +12,7 @@
 #include "tests/surface/motion/surface_points.h"
 #include "tests/surface/motion/tangential_problems.h"
 #include "tests/surface/reference_data.h"
+#include "tools/experiments/searched_velocity.h"
 #include "tools/experiments/tangential_minimum.h"
 
 namespace kappaflow {
@@ -234,8 +235,9 @@ SurfaceVelocities velocities_by(Minimiser minimiser, const Field& field, std::st
           return PointVelocity{v_n + limited(basis * minimum.y, options.speed_limit * fastest),
                                minimum.confidence};
         };
-        const TangentialRows<2> total = total_rows(jet, basis, v_n),
-                                curvature = curvature_rows(jet, basis, v_n);
+        const double L = jet.length_scale;
+        const TangentialRows<2> total = total_rows(jet, basis, v_n, L),
+                                curvature = curvature_rows(jet, basis, v_n, L);
         if (method == "total") return solved(total);
         return method == "curvature" ? solved(stacked(total, curvature)) : solved(curvature);
       });
@@ -266,6 +268,79 @@ TEST(TangentialMinimum, GivesTheSameVelocitiesOnTheBodyOfSeven) {
       EXPECT_GT(compared, 40u) << method;
     }
   }
+}
+
+TEST(TangentialMinimum, LooseSearchesStayNearTheirStart) {
+  std::mt19937 random(6);
+  for (int i = 0; i < 50; ++i) {
+    const TangentialRows<4> rows = testing::rows_with_singular_values(random, 2, 0.01);
+    const Vec2 closed = minimise(rows, 0, 1, Minimiser::closed_form).y;
+    const double least = testing::objective(rows, 0, closed);
+    for (const Minimiser minimiser : {Minimiser::bfgs, Minimiser::powell}) {
+      const TangentialMinimum tight = minimise(rows, 0, 1, minimiser, closed),
+                              loose = minimise(rows, 0, 1, minimiser, Vec2::Zero(),
+                                               {.value_tolerance = 0.5, .line_tolerance = 0.7});
+      EXPECT_LT((tight.y - closed).norm(), 1e-3 * (1 + closed.norm())) << "it is there already";
+      EXPECT_LT(loose.evaluations, minimise(rows, 0, 1, minimiser).evaluations);
+      EXPECT_GE(testing::objective(rows, 0, loose.y), least * (1 - 1e-12));
+    }
+  }
+}
+
+SurfaceVelocities by_search(const VelocityFunction& velocity, const Field& field,
+                            const std::vector<Vec3>& points) {
+  const std::vector<double> area(points.size(), 0.0);
+  const VertexRings rings{.start = std::vector<int>(points.size() + 1, 0), .neighbour = {}};
+  SurfaceVelocities result;
+  velocity(field, {points, area, rings}, {.damping = 1e-6, .speed_limit = 4}, result.sized(points.size()));
+  return result;
+}
+
+TEST(SearchedCurvature, StartsWhereItIsTold) {
+  testing::Body body = testing::read_body_of_seven();
+  std::mt19937 random(7);
+  testing::set_velocities(body.particles, [&](const Vec3&) { return testing::random_vector(random, 1); });
+  const ParticleField field(body.particles, body.threshold, 0);
+  const std::vector<Vec3> points = testing::surface_points(field, 100, 2);
+  const SurfaceVelocities normal = by_search(evaluate_normal, field, points),
+                          total = by_search(evaluate_total, field, points),
+                          curvature = by_search(evaluate_curvature, field, points);
+  EXPECT_EQ(by_search(searched_curvature({}), field, points).velocity, curvature.velocity);
+  // A gain that would have to be the whole sum: BFGS stops where it starts.
+  const auto stuck = [&](SearchStart start) {
+    return searched_curvature({.minimiser = Minimiser::bfgs, .start = start, .tolerance = 1e9});
+  };
+  const SurfaceVelocities from_zero = by_search(stuck(SearchStart::zero), field, points),
+                          from_last = by_search(stuck(SearchStart::last), field, points),
+                          from_total = by_search(stuck(SearchStart::total), field, points);
+  EXPECT_EQ(from_last.velocity, from_zero.velocity) << "there was none before";
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    EXPECT_LT((from_zero.velocity[i] - normal.velocity[i]).norm(), 1e-12);
+    EXPECT_LT((from_total.velocity[i] - total.velocity[i]).norm(), 1e-9);
+  }
+}
+
+TEST(SearchedCurvature, GoesOnFromTheLastVelocity) {
+  testing::Body body = testing::read_body_of_seven();
+  std::mt19937 random(8);
+  testing::set_velocities(body.particles, [&](const Vec3&) { return testing::random_vector(random, 1); });
+  const ParticleField field(body.particles, body.threshold, 0);
+  const std::vector<Vec3> points = testing::surface_points(field, 100, 3);
+  // One iteration of steepest descent at a time, which the tolerance of 0.05 ends early: again and again from
+  // where it was, the sum falls.
+  const VelocityFunction search =
+      searched_curvature({.minimiser = Minimiser::bfgs, .start = SearchStart::last, .tolerance = 0.05});
+  const SurfaceVelocities first = by_search(search, field, points);
+  SurfaceVelocities later = first;
+  for (int i = 0; i < 3; ++i) later = by_search(search, field, points);
+  const SurfaceVelocities goal = by_search(evaluate_curvature, field, points);
+  const auto off = [&](const SurfaceVelocities& found) {
+    double sum = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) sum += (found.velocity[i] - goal.velocity[i]).norm();
+    return sum;
+  };
+  EXPECT_GT(off(first), 1e-3);
+  EXPECT_LT(off(later), 0.9 * off(first));
 }
 
 }  // namespace

@@ -136,6 +136,42 @@ TEST_F(QuickExperiment, Fig8) {
       << report;
 }
 
+TEST_F(QuickExperiment, PaperMap) {
+  run("paper-map", "paper-map.csv");
+  const auto of = [&](const char* map, const char* radius, const char* sigma, const char* what) {
+    return value({{"particles", "3"}, {"map", map}, {"radius", radius}, {"sigma", sigma}}, what);
+  };
+  struct Expected {
+    const char *radius, *sigma;
+    double share;  // of total's mean distance over two turns without fairing
+  };
+  // Of an independent implementation with a mesh of its own: total 0.65 and 0.31, curvature's plain sum 0.60,
+  // 0.28, 0.12 on the small circle and 0.26, 0.22, 0.22 on the large one.
+  for (const auto& [radius, sigma, share] :
+       {Expected{"0.3", "1", 0.92}, Expected{"0.3", "0.1", 0.43}, Expected{"0.3", "0.01", 0.185},
+        Expected{"0.5", "1", 0.84}, Expected{"0.5", "0.1", 0.71}, Expected{"0.5", "0.01", 0.71}})
+    EXPECT_NEAR(of("unit", radius, sigma, "curvature_over_run") / of("unit", radius, sigma, "total_over_run"),
+                share, 0.1 * share)
+        << radius << " " << sigma;
+  // A sphere of radius r = sqrt(1 - 0.3^(1/3)) on a circle of radius R = 0.5 by Euler's method, N = 40: each
+  // step is off by R (2 pi/N)^2/2, which turns the mesh by pi (pi R/(N r))^2 a turn about its axis; its
+  // vertices are pi/4 r from that on average.
+  const double r = std::sqrt(1 - std::cbrt(0.3)), R = 0.5;
+  EXPECT_NEAR(value({{"map", "steps"}, {"particles", "1"}, {"integrator", "euler"}}, "total_end"),
+              10 * std::pow(M_PI, 4) * R * R / (4 * 40 * 40 * r * (R + r)), 0.002);
+  // What the paper prints of Fig. 5: errors that fall with the iterations, curvature's below total's.
+  const auto fig5 = [&](const char* iterations, const char* what) {
+    return value({{"map", "figure5"}, {"fairing_iterations", iterations}}, what);
+  };
+  EXPECT_LT(fig5("50", "total_end"), 0.03);
+  EXPECT_LT(fig5("50", "curvature_end"), 0.5 * fig5("50", "total_end"));
+  EXPECT_LT(fig5("50", "total_end"), 0.5 * fig5("10", "total_end"));
+  // On a sphere the rows of curvature are empty, whatever the unit of length.
+  const TextRow one{{"particles", "1"}, {"map", "unit"}};
+  EXPECT_NEAR(value(one, "curvature_end"), value(one, "total_end"), 1e-9);
+  EXPECT_NE(bytes_of(folder / "report.md").find("turns of three 2 instead of 3"), std::string::npos);
+}
+
 TEST_F(QuickExperiment, Body) {
   run("body");
   const auto mean = [&](const char* method) { return value({{"method", method}}, "mean_over_run"); };
