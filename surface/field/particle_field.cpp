@@ -208,11 +208,36 @@ std::optional<Vec3> ParticleField::material_velocity(const Vec3& x) const {
   return Vec3(moment.ldlt().solve(rhs).row(0).transpose());
 }
 
+/// Whether f may be positive where the particle reaches: f <= sum_j w_j - T there, over the particles within
+/// sigma_i + sigma_j of it, itself included (see without_strays()). Neighbours in the cell order are asked
+/// first: they settle it for all but a few.
+bool ParticleField::may_have_surface(std::size_t p) const {
+  constexpr std::size_t kAskedFirst = 8;  // on either side in the cell order
+  const auto share = [&](std::size_t q) {
+    const double reach = source_[p].sigma + source_[q].sigma, dx = x_[q] - x_[p], dy = y_[q] - y_[p],
+                 dz = z_[q] - z_[p];
+    return dx * dx + dy * dy + dz * dz < reach * reach ? std::max(weight_[q], 0.0) : 0.0;
+  };
+  double sum = 0;
+  for (std::size_t q = p - std::min(p, kAskedFirst); q < std::min(p + kAskedFirst, x_.size()); ++q)
+    sum += share(q);
+  if (sum >= threshold_) return true;
+  sum = 0;
+  grid_.ranges_near(Vec3(x_[p], y_[p], z_[p]), source_[p].sigma + largest_sigma_,
+                    [&](std::uint32_t begin, std::uint32_t end) {
+                      for (std::size_t q = begin; q < end && sum < threshold_; ++q) sum += share(q);
+                    });
+  return sum >= threshold_;
+}
+
 std::optional<std::vector<std::array<int, 3>>> ParticleField::occupied_cubes(const SampledField& lattice,
                                                                              int cells) const {
   std::vector<std::array<int, 3>> cubes;  // z, y, x
   const double size = cells * lattice.spacing;
+  std::vector<char> counts(x_.size());
+  parallel_for(counts.size(), [&](std::size_t p) { counts[p] = may_have_surface(p); });
   for (std::size_t p = 0; p < x_.size(); ++p) {
+    if (!counts[p]) continue;
     const Vec3 centre = Vec3(x_[p], y_[p], z_[p]) - lattice.origin;
     const auto index = [&](int a, double side) {
       const int last = std::max(0, lattice.dims[a] - 2) / cells;

@@ -58,6 +58,7 @@ class ParticleField final : public Field {
   };
 
   void set_particles(const FieldParticles& particles);
+  bool may_have_surface(std::size_t p) const;
   template <class Consume>
   void visit_hits(const Vec3& x, const Consume& consume) const;
   std::size_t collect_hits(const Vec3& x, std::uint32_t begin, std::uint32_t end, std::uint32_t* hit,

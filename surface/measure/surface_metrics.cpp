@@ -56,6 +56,11 @@ double surface_residual(const Field& field, const TriangleMesh& mesh) {
   return parallel_max(mesh.vertex_count(), 0.0, residual);
 }
 
+std::size_t points_outside(const Field& field, std::span<const Vec3> points) {
+  return parallel_sum(points.size(), std::size_t{0},
+                      [&](std::size_t i) { return std::size_t{field.value_and_gradient(points[i]).f < 0}; });
+}
+
 SurfaceMetrics surface_metrics(const Field& field, const TriangleMesh& mesh, const SurfaceState& state,
                                const Vec3& report_axis) {
   SurfaceMetrics metrics;

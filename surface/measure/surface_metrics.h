@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "surface/field/field.h"
@@ -72,6 +73,9 @@ inline constexpr double kSoundVolume = 0.02;  ///< largest relative difference o
 /// max |f| / (|g| L) over the projected vertices: their distance from f = 0 in units of L =
 /// Field::length_scale().
 double surface_residual(const Field& field, const TriangleMesh& mesh);
+
+/// How many of the points are outside the surface, f < 0: of particles, those that have none.
+std::size_t points_outside(const Field& field, std::span<const Vec3> points);
 
 /// Everything that mesh and state say; judgement, tracer_distance, texture_distance, texture_flicker,
 /// kept_fraction, kept_since_frame, vertices_replaced and regions_* are the caller's. report_axis: a unit

@@ -83,6 +83,7 @@ void FrameWriter::write(int frame, FrameSource& source, RunSummary& summary) {
     isosurface = fresh_isosurface(surfaces_.field(), surfaces_.field_options().sigma);
     metrics.isosurface = isosurface->metrics;
   }
+  metrics.particles_outside = points_outside(surfaces_.field(), report.particles.particles.position);
   write_liquid(report);
   const double shared_seconds = watch.seconds();
 

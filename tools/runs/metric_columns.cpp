@@ -223,6 +223,9 @@ constexpr MetricColumn kColumns[] = {
                                             "vertices that changes of topology took away since the last "
                                             "frame; `kept_since_frame` counts those that remeshing took as "
                                             "well"),
+    of_frame<&Frame::particles_outside>("particles_outside", "1",
+                                        "particles outside the surface, f < 0 at their centre: those of a "
+                                        "spray that have none of their own"),
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/errors.h"
+#include "surface/measure/surface_metrics.h"
 #include "surface/measure/surface_motion.h"
 #include "tools/io/particle_sequence.h"
 #include "tools/runs/progress.h"
@@ -125,9 +126,8 @@ std::string setup_text(const ParticleSequence& sequence, const TrackSetup& setup
 std::string outside_text(const TrackedSurfaces& surfaces) {
   constexpr double kWorthSaying = 0.01;
   const std::vector<Vec3>& position = surfaces.particles().position;
-  const auto outside = std::ranges::count_if(
-      position, [&](const Vec3& x) { return surfaces.field().value_and_gradient(x).f < 0; });
-  const double share = static_cast<double>(outside) / static_cast<double>(position.size());
+  const double share =
+      static_cast<double>(points_outside(surfaces.field(), position)) / static_cast<double>(position.size());
   if (share < kWorthSaying) return {};
   return fmt::format(
       "  {:.0f} % of the particles are outside the surface in the first frame: too far from others for this "

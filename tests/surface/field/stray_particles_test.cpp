@@ -79,5 +79,52 @@ TEST(StrayParticles, TheSurfaceIsWhatItWasAndItsLatticeAsSmall) {
   EXPECT_EQ(mesh_topology(mesh.position, mesh.triangles).components, 1);
 }
 
+// One with plain weight has none under a threshold above it; with a weight that the threshold is below it
+// has.
+TEST(StrayParticles, WithoutASurfaceNeedNoBlocks) {
+  constexpr int kCells = 32;
+  FieldParticles body;
+  add_cube(body, Vec3::Zero(), 6);
+  FieldParticles spray = body;
+  std::mt19937 random(4);
+  for (int n = 0; n < 40; ++n) {  // one or two together, in the air around the body
+    const Vec3 at = Vec3(20 + 4 * n % 80, 12 * (n % 7), 11 * (n % 5)) + testing::random_vector(random, 1);
+    add_cube(spray, at, 1);
+    if (n % 2 == 0) add_cube(spray, at + Vec3(1, 0, 0), 1);
+  }
+  const ParticleField field(spray, kThreshold, 0), low(spray, 0.5, 0);
+  const SampledField lattice = isosurface_lattice(field, 0.5);
+  const auto cubes = field.occupied_cubes(lattice, kCells).value(),
+             of_body = ParticleField(body, kThreshold, 0).occupied_cubes(lattice, kCells).value();
+  EXPECT_EQ(cubes, of_body);
+  EXPECT_GT(low.occupied_cubes(lattice, kCells).value().size(), 5 * cubes.size());
+}
+
+// As brute force says: no point with f >= 0 lies outside the cubes, whatever the weights.
+TEST(StrayParticles, CubesHoldEveryPointInsideTheSurface) {
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> weight(-0.5, 2), sigma(0.6, 2.4);
+  FieldParticles spray;
+  for (int n = 0; n < 500; ++n) {
+    add_cube(spray, testing::random_vector(random, 14), 1, sigma(random));
+    spray.weight.back() = weight(random);
+  }
+  const ParticleField field(spray, 1.9, 0);
+  constexpr int kCells = 3;
+  SampledField lattice = isosurface_lattice(field, 0.4);
+  field.sample(lattice);
+  const auto cubes = field.occupied_cubes(lattice, kCells).value();
+  std::size_t index = 0, inside = 0;
+  for (int k = 0; k < lattice.dims[2]; ++k)
+    for (int j = 0; j < lattice.dims[1]; ++j)
+      for (int i = 0; i < lattice.dims[0]; ++i, ++index) {
+        if (!(lattice.value[index] >= 0)) continue;
+        ++inside;
+        EXPECT_EQ(std::ranges::count(cubes, std::array{i / kCells, j / kCells, k / kCells}), 1);
+      }
+  EXPECT_GT(inside, 20u);
+  EXPECT_LT(cubes.size() * kCells * kCells * kCells, lattice.value.size() / 2);
+}
+
 }  // namespace
 }  // namespace kappaflow

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <numbers>
+#include <numeric>
 
 #include "surface/field/particle_motion.h"
 #include "surface/motion/velocity_methods.h"
@@ -64,6 +65,24 @@ TEST(SurfaceMetrics, FreshIsosurface) {
   EXPECT_NEAR(metrics.volume, kVolume, 0.06 * kVolume);  // at 0.25 sigma
   EXPECT_EQ(metrics.topology.components, 1);
   EXPECT_EQ(metrics.topology.genus, 0);
+}
+
+TEST(SurfaceMetrics, ParticlesWithoutASurfaceAreOutside) {
+  // In a cube of particles one apart the sum is above 2.6 at all of them; alone it is 1, of two 1.99.
+  const auto outside = [](double threshold, bool is_normalised) {
+    Particles particles;
+    for (int n = 0; n < 125; ++n) particles.position.emplace_back(n % 5, n / 5 % 5, n / 25);
+    for (const double x : {20.0, 30.0, 40.0, 40.1}) particles.position.emplace_back(x, 0, 0);
+    particles.velocity.assign(particles.position.size(), Vec3::Zero());
+    particles.id.resize(particles.position.size());
+    std::iota(particles.id.begin(), particles.id.end(), 0);
+    ParticleFieldOptions options{.sigma = 2, .threshold = threshold};
+    if (is_normalised) options.weights = WeightRule::normalised;
+    return points_outside(*particle_field(particles, options), particles.position);
+  };
+  EXPECT_EQ(outside(2.6, false), 4u);
+  EXPECT_EQ(outside(1.5, false), 2u);
+  EXPECT_EQ(outside(0.5, true), 0u) << "each has one of its own";
 }
 
 }  // namespace
