@@ -32,7 +32,8 @@ constexpr VelocityOptions kUndamped{.damping = 1e-9, .speed_limit = 1e6};
 ParticleField tumbling_body(double scale = 1) {
   testing::Body body = testing::read_body_of_seven();
   std::mt19937 random(1);
-  testing::set_velocities(body.particles, [&](const Vec3&) { return scale * random_vector(random, 1); });
+  testing::set_velocities(body.particles,
+                          [&](const Vec3&) { return Vec3(scale * random_vector(random, 1)); });
   for (Vec3& x : body.particles.position) x *= scale;
   for (double& sigma : body.particles.sigma) sigma *= scale;
   return ParticleField(body.particles, body.threshold, 0);
