@@ -126,7 +126,7 @@ AffineFit patch_fit(int s, const LocalMotion& local, const Patches& patches, Sam
   const double scale = local.length_scale[patches.samples.vertex[s]];
   if (!(scale > 0)) return {};
   for (double radius = kRadius * scale;; radius *= kRadiusGrowth) {
-    const AffineFit fit = window_fit(s, radius, local, patches, walk, fastest);
+    AffineFit fit = window_fit(s, radius, local, patches, walk, fastest);
     if (fit.determined >= kDetermined || radius * kRadiusGrowth > kLargestRadius * scale) return fit;
   }
 }
