@@ -93,9 +93,9 @@ void RestGrid::find_blocks(const Field& field, Band& band) const {
 Vec3 RestGrid::place_of(const Band& band, std::size_t point) const {
   const Place& block = band.blocks[point / kPoints];
   const int within = static_cast<int>(point % kPoints);
-  return origin_ + spacing_ * Vec3(kSide * block[2] + within % kSide,
-                                   kSide * block[1] + within / kSide % kSide,
-                                   kSide * block[0] + within / (kSide * kSide));
+  const int row = within / kSide, plane = row / kSide;
+  return origin_ + spacing_ * Vec3(kSide * block[2] + within % kSide, kSide * block[1] + row % kSide,
+                                   kSide * block[0] + plane);
 }
 
 std::optional<RestGrid::Sample> RestGrid::sample(const Band& band, std::span<const Vec3> values,

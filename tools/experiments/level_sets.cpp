@@ -236,6 +236,7 @@ void add_plot(const std::vector<EnrightLine>& tracked, const std::vector<Enright
 
 void judge(const std::vector<EnrightLine>& tracked, const std::vector<EnrightLine>& sets, Report& report) {
   std::vector<Check> checks;
+  checks.reserve(tracked.size() + sets.size());
   for (const EnrightLine& line : tracked)
     checks.push_back(at_most(line.method, std::abs(line.lost(line.end)), kKeptVolume));
   for (const EnrightLine& line : sets)

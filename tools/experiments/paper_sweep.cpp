@@ -96,6 +96,7 @@ std::vector<PaperChoice> read_choices(TomlTable& t, const std::vector<PaperChoic
 
 std::size_t map_axis(TomlTable& t, const char* key, const std::vector<PaperChoice>& choices) {
   std::vector<std::string_view> keys;
+  keys.reserve(choices.size());
   for (const PaperChoice& choice : choices) keys.push_back(choice.key);
   const std::string name = t.text(key);
   const auto found = std::ranges::find(keys, name);
@@ -247,6 +248,7 @@ void run_paper_sweep(PaperSweep& sweep, const ExperimentContext& context) {
   std::vector<PaperResult*> results;
   for (PaperMap& map : sweep.maps)
     for (PaperResult& result : map.results) results.push_back(&result);
+  runs.reserve(2 * results.size());
   for (const PaperResult* result : results)
     runs.push_back({result->setting, searched_curvature(result->setting.search), {}});
   for (const PaperResult* result : results) {
