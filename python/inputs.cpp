@@ -6,6 +6,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/errors.h"
@@ -23,14 +24,13 @@ Particles particles(double time, const IdsIn& id, const VectorsIn& position, con
           copied<double>(scale)};
 }
 
-WeightRule weight_rule(const std::string& name) {
-  if (const std::optional<WeightRule> rule = value_of(kWeightRules, name)) return *rule;
-  throw InvalidInput(fmt::format("weights: '{}'; allowed are uniform, normalised", name));
-}
-
-Anchor anchor(const std::string& name) {
-  if (const std::optional<Anchor> known = value_of(kAnchors, name)) return *known;
-  throw InvalidInput(fmt::format("anchor: '{}'; allowed are none, particles", name));
+/// What a name stands for; option: whose it is, for errors.
+template <class T, std::size_t N>
+T value_named(const Named<T> (&table)[N], const char* option, const std::string& name) {
+  if (const std::optional<T> value = value_of(table, name)) return *value;
+  std::vector<std::string_view> allowed;
+  for (const Named<T>& named : table) allowed.push_back(named.name);
+  throw InvalidInput(fmt::format("{}: '{}'; allowed are {}", option, name, fmt::join(allowed, ", ")));
 }
 
 /// sigma: [m]; empty: two spacings of the particles, which are measured then.
@@ -42,15 +42,15 @@ SurfaceOptions field_choices(std::optional<double> sigma, std::optional<double> 
     options.spacing = 1;
   }
   options.threshold = threshold;
-  options.weights = weight_rule(weights);
+  options.weights = value_named(kWeightRules, "weights", weights);
   return options;
 }
 
 SurfaceOptions surface_choices(SurfaceOptions options, const std::vector<nb::object>& methods,
-                               const std::string& anchored_to, bool is_cloud, double edge_length, bool remesh,
+                               const std::string& anchor, bool is_cloud, double edge_length, bool remesh,
                                bool topology, double motion_per_step, const VelocityOptions& velocity) {
   for (const nb::object& method : methods) options.velocities.push_back(surface_method(method));
-  options.anchor = anchor(anchored_to);
+  options.anchor = value_named(kAnchors, "anchor", anchor);
   options.is_cloud = is_cloud;
   options.edge_length = edge_length;
   options.remesh = remesh;

@@ -57,7 +57,6 @@ void set_hessian_rows(const Jet& jet, const StrainResponse& strain, MotionRows& 
 }
 
 using Mat9 = Eigen::Matrix<double, 9, 9>;
-using Vec12 = Eigen::Matrix<double, 12, 1>;
 
 /// Lambda^2 for r G: rotation is the antisymmetric part.
 Mat9 gradient_damping() {
@@ -75,7 +74,7 @@ Mat9 gradient_damping() {
 /// this order the last block of N's Cholesky factor is that of the information about a.
 struct NormalEquations {
   MotionInformation N;
-  Vec12 rhs;
+  MotionUnknowns rhs;
 };
 
 /// Those of the weighted mean of the squared rows + |Lambda (a, r G)|^2.
@@ -191,7 +190,7 @@ AffineFit WindowSums::solve(double radius, const Vec3& normal) const {
   const MotionEquations sum = equations();
   const auto [N, rhs] = damped_mean(sum, radius);
   const Eigen::LLT<MotionInformation, Eigen::Lower> factor(N);
-  const Vec12 z = factor.solve(rhs);
+  const MotionUnknowns z = factor.solve(rhs);
   const Mat3 last = factor.matrixLLT().bottomRightCorner<3, 3>().triangularView<Eigen::Lower>();
   return {.velocity = z.tail<3>(),
           .gradient = z.head<9>().reshaped<Eigen::RowMajor>(3, 3) / radius,

@@ -53,7 +53,9 @@ class RowSums {
   double weight_ = 0, squares_ = 0;
 };
 
-/// Normal equations of (r G row by row, a), r the radius of a window.
+/// The unknowns (r G row by row, a), r the radius of a window or another unit of length, and their normal
+/// equations.
+using MotionUnknowns = Eigen::Matrix<double, 12, 1>;
 using MotionInformation = Eigen::Matrix<double, 12, 12>;
 
 /// The fitted motion about the centre of a window.

@@ -17,11 +17,9 @@ constexpr double kTolerance = 1e-5;    // [1] of the energy that the iterations 
 constexpr int kMostIterations = 100;
 constexpr std::size_t kPatchesPerTask = 32;
 
-using Vec12 = Eigen::Matrix<double, 12, 1>;
-
 /// u_s(y) - u_t(y) halfway between two patches, for motions (unit G, a).
-Vec3 difference(const Vec12& s, const Vec12& t, const Vec3& half) {
-  const auto gradient = [](const Vec12& z) { return z.head<9>().reshaped<Eigen::RowMajor>(3, 3); };
+Vec3 difference(const MotionUnknowns& s, const MotionUnknowns& t, const Vec3& half) {
+  const auto gradient = [](const MotionUnknowns& z) { return z.head<9>().reshaped<Eigen::RowMajor>(3, 3); };
   return s.tail<3>() - t.tail<3>() + (gradient(s) + gradient(t)) * half;
 }
 
@@ -32,7 +30,7 @@ struct Link {
   double length2;  // L^2 [units^2]
 
   /// Adds the derivative of half the link's energy by the motion s of its patch; t: of the other.
-  void add_derivative(const Vec12& s, const Vec12& t, Vec12& sum) const {
+  void add_derivative(const MotionUnknowns& s, const MotionUnknowns& t, MotionUnknowns& sum) const {
     const Vec3 d = kSmoothness * difference(s, t, half);
     for (int p = 0; p < 3; ++p) sum.segment<3>(3 * p) += d[p] * half;
     sum.head<9>() += kSmoothness * length2 * (s.head<9>() - t.head<9>());
@@ -63,7 +61,7 @@ class Agreement {
   void find_links(const SurfaceSamples& samples, std::span<const double> length_scale);
   void weigh();
   template <class Of>
-  void add_links(std::size_t k, const Of& of, Vec12& sum) const;
+  void add_links(std::size_t k, const Of& of, MotionUnknowns& sum) const;
 
   std::span<AffineFit> fits_;
   double unit_ = 0;                  // of length [m]
@@ -120,7 +118,7 @@ void Agreement::weigh() {
       patch_.size(),
       [&](std::size_t k) {
         const AffineFit& fit = fits_[patch_[k]];
-        Vec12 scale = Vec12::Ones();  // from (radius G, a)
+        MotionUnknowns scale = MotionUnknowns::Ones();  // from (radius G, a)
         scale.head<9>().setConstant(fit.radius / unit_);
         const double trust = median2_ / (fit.residual * fit.residual + exact2_);
         held_[k] = trust * (scale.asDiagonal() * fit.information * scale.asDiagonal());
@@ -133,30 +131,33 @@ void Agreement::weigh() {
 
 /// of(patch): its motion.
 template <class Of>
-void Agreement::add_links(std::size_t k, const Of& of, Vec12& sum) const {
-  const Vec12 own = of(patch_[k]);
+void Agreement::add_links(std::size_t k, const Of& of, MotionUnknowns& sum) const {
+  const MotionUnknowns own = of(patch_[k]);
   for (std::size_t l = first_[k]; l < first_[k + 1]; ++l)
     links_[l].add_derivative(own, of(links_[l].other), sum);
 }
 
 void Agreement::solve() {
   const std::size_t n = patch_.size();
-  std::vector<Vec12> change(n, Vec12::Zero()), residual(n), preconditioned(n), direction(n), product(n);
+  std::vector<MotionUnknowns> change(n, MotionUnknowns::Zero()), residual(n), preconditioned(n), direction(n),
+      product(n);
   std::vector<double> part(n);
-  const auto dot = [&](const std::vector<Vec12>& a, const std::vector<Vec12>& b) {
+  const auto dot = [&](const std::vector<MotionUnknowns>& a, const std::vector<MotionUnknowns>& b) {
     for (std::size_t k = 0; k < n; ++k) part[k] = a[k].dot(b[k]);
     return std::accumulate(part.begin(), part.end(), 0.0);
   };
   const auto fitted = [&](int s) {
-    Vec12 z;
+    MotionUnknowns z;
     z << unit_ * fits_[s].gradient.reshaped<Eigen::RowMajor>(), fits_[s].velocity;
     return z;
   };
-  const auto directed = [&](int s) { return place_[s] < 0 ? Vec12(Vec12::Zero()) : direction[place_[s]]; };
+  const auto directed = [&](int s) {
+    return place_[s] < 0 ? MotionUnknowns(MotionUnknowns::Zero()) : direction[place_[s]];
+  };
   parallel_for(
       n,
       [&](std::size_t k) {
-        Vec12 slope = Vec12::Zero();
+        MotionUnknowns slope = MotionUnknowns::Zero();
         add_links(k, fitted, slope);
         residual[k] = -slope;
         direction[k] = preconditioned[k] = inverse_[k] * residual[k];

@@ -50,6 +50,12 @@ std::ptrdiff_t RestGrid::Band::find(const Place& point) const {
          (within(0) * kSide + within(1)) * kSide + within(2);
 }
 
+RestGrid::Place RestGrid::Band::place_of(std::size_t point) const {
+  const Place& block = blocks[point / kPoints];
+  const int within = static_cast<int>(point % kPoints), row = within / kSide;
+  return {kSide * block[0] + row / kSide, kSide * block[1] + row % kSide, kSide * block[2] + within % kSide};
+}
+
 RestGrid::RestGrid(const Field& field, double spacing) : origin_(field.bounds().lower), spacing_(spacing) {
   find_blocks(field, next_);
   is_inside_.resize(next_.rest.size());
@@ -91,11 +97,8 @@ void RestGrid::find_blocks(const Field& field, Band& band) const {
 }
 
 Vec3 RestGrid::place_of(const Band& band, std::size_t point) const {
-  const Place& block = band.blocks[point / kPoints];
-  const int within = static_cast<int>(point % kPoints);
-  const int row = within / kSide, plane = row / kSide;
-  return origin_ + spacing_ * Vec3(kSide * block[2] + within % kSide, kSide * block[1] + row % kSide,
-                                   kSide * block[0] + plane);
+  const Place place = band.place_of(point);
+  return origin_ + spacing_ * Vec3(place[2], place[1], place[0]);
 }
 
 std::optional<RestGrid::Sample> RestGrid::sample(const Band& band, std::span<const Vec3> values,
@@ -169,10 +172,7 @@ void RestGrid::correct(FieldMotion& motion) {
 
 /// The mean of the linear continuations along the axes; of constant ones where a single point is known.
 std::optional<Vec3> RestGrid::continued_at(std::size_t point) const {
-  const Place& block = next_.blocks[point / kPoints];
-  const int within = static_cast<int>(point % kPoints);
-  const Place place{kSide * block[0] + within / (kSide * kSide), kSide * block[1] + within / kSide % kSide,
-                    kSide * block[2] + within % kSide};
+  const Place place = next_.place_of(point);
   Vec3 sum = Vec3::Zero();
   int count = 0;
   for (int a = 0; a < 3; ++a)

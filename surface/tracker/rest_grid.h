@@ -46,6 +46,7 @@ class RestGrid {
     std::vector<char> known;    // Known
 
     std::ptrdiff_t find(const Place& point) const;  // -1: none
+    Place place_of(std::size_t point) const;        // what find() finds there
   };
   /// Of the corners of a cell.
   struct Sample {

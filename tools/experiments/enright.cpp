@@ -123,7 +123,8 @@ struct Contest {
     const std::string name = edge > 0 ? fmt::format("{} remeshed {}", method, edge) : method;
     trackers.emplace_back(start, tracker);
     results.push_back({name,
-                       edge > 0,
+                       method,
+                       edge,
                        start.triangles.size(),
                        area_and_volume(start.position, start.triangles).volume,
                        {},

@@ -144,10 +144,10 @@ EnrightLine line_of(LevelSetScheme scheme, double spacing, int steps, const Enri
   return line;
 }
 
-EnrightLine line_of(const EnrightResult& result, const std::string& field, double edge) {
+EnrightLine line_of(const EnrightResult& result, const std::string& field) {
   const auto sample = [](const EnrightSample& s) { return sample_of(s.shape, s.volume); };
-  return {fmt::format("{}, {}", result.method.substr(0, result.method.find(' ')), field),
-          fmt::format("edge {}", edge),
+  return {fmt::format("{}, {}", result.velocity, field),
+          fmt::format("edge {}", result.edge_length),
           result.start_volume,
           sample(result.half),
           sample(result.end),
@@ -160,11 +160,8 @@ std::vector<EnrightLine> tracked_lines(const ExperimentContext& context) {
   enright.file = context.file.parent_path() / "enright.toml";
   std::vector<EnrightLine> lines;
   for (const bool on_particles : {false, true})
-    for (const EnrightResult& result : remeshed_in_enright(enright, on_particles)) {
-      const std::string name = result.method;
-      lines.push_back(line_of(result, on_particles ? "on particles" : "on the exact function",
-                              std::stod(name.substr(name.rfind(' ') + 1))));
-    }
+    for (const EnrightResult& result : remeshed_in_enright(enright, on_particles))
+      lines.push_back(line_of(result, on_particles ? "on particles" : "on the exact function"));
   return lines;
 }
 

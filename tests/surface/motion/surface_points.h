@@ -28,15 +28,19 @@ inline std::vector<Vec3> surface_points(const Field& field, std::size_t count, u
   return points;
 }
 
-/// The method's velocities at points that need no neighbourhood.
-inline SurfaceVelocities velocities_at(const Field& field, std::string_view method,
+/// A method's velocities at points that need no neighbourhood.
+inline SurfaceVelocities velocities_at(const Field& field, const VelocityFunction& evaluate,
                                        const std::vector<Vec3>& points, const VelocityOptions& options) {
   const std::vector<double> area(points.size(), 0.0);
   const VertexRings rings{.start = std::vector<int>(points.size() + 1, 0), .neighbour = {}};
   SurfaceVelocities result;
-  velocity_method(method).evaluate(field, {.position = points, .area = area, .rings = rings}, options,
-                                   result.sized(points.size()));
+  evaluate(field, {.position = points, .area = area, .rings = rings}, options, result.sized(points.size()));
   return result;
+}
+
+inline SurfaceVelocities velocities_at(const Field& field, std::string_view method,
+                                       const std::vector<Vec3>& points, const VelocityOptions& options) {
+  return velocities_at(field, velocity_method(method).evaluate, points, options);
 }
 
 }  // namespace kappaflow::testing

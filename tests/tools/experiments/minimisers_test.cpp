@@ -244,12 +244,17 @@ SurfaceVelocities velocities_by(Minimiser minimiser, const Field& field, std::st
   return result;
 }
 
+/// The body of seven, with random velocities.
+ParticleField tumbling_body(unsigned seed) {
+  testing::Body body = testing::read_body_of_seven();
+  std::mt19937 random(seed);
+  testing::set_velocities(body.particles, [&](const Vec3&) { return testing::random_vector(random, 1); });
+  return ParticleField(body.particles, body.threshold, 0);
+}
+
 // The same velocities by each minimiser, wherever the equations say enough.
 TEST(TangentialMinimum, GivesTheSameVelocitiesOnTheBodyOfSeven) {
-  testing::Body body = testing::read_body_of_seven();
-  std::mt19937 random(5);
-  testing::set_velocities(body.particles, [&](const Vec3&) { return testing::random_vector(random, 1); });
-  const ParticleField field(body.particles, body.threshold, 0);
+  const ParticleField field = tumbling_body(5);
   const std::vector<Vec3> points = testing::surface_points(field, 400, 1);
   for (const char* method : {"total", "curvature", "curvature-only"}) {
     const SurfaceVelocities closed = testing::velocities_at(field, method, points, {});
@@ -289,18 +294,11 @@ TEST(TangentialMinimum, LooseSearchesStayNearTheirStart) {
 
 SurfaceVelocities by_search(const VelocityFunction& velocity, const Field& field,
                             const std::vector<Vec3>& points) {
-  const std::vector<double> area(points.size(), 0.0);
-  const VertexRings rings{.start = std::vector<int>(points.size() + 1, 0), .neighbour = {}};
-  SurfaceVelocities result;
-  velocity(field, {points, area, rings}, {.damping = 1e-6, .speed_limit = 4}, result.sized(points.size()));
-  return result;
+  return testing::velocities_at(field, velocity, points, {.damping = 1e-6, .speed_limit = 4});
 }
 
 TEST(SearchedCurvature, StartsWhereItIsTold) {
-  testing::Body body = testing::read_body_of_seven();
-  std::mt19937 random(7);
-  testing::set_velocities(body.particles, [&](const Vec3&) { return testing::random_vector(random, 1); });
-  const ParticleField field(body.particles, body.threshold, 0);
+  const ParticleField field = tumbling_body(7);
   const std::vector<Vec3> points = testing::surface_points(field, 100, 2);
   const SurfaceVelocities normal = by_search(evaluate_normal, field, points),
                           total = by_search(evaluate_total, field, points),
@@ -321,10 +319,7 @@ TEST(SearchedCurvature, StartsWhereItIsTold) {
 }
 
 TEST(SearchedCurvature, GoesOnFromTheLastVelocity) {
-  testing::Body body = testing::read_body_of_seven();
-  std::mt19937 random(8);
-  testing::set_velocities(body.particles, [&](const Vec3&) { return testing::random_vector(random, 1); });
-  const ParticleField field(body.particles, body.threshold, 0);
+  const ParticleField field = tumbling_body(8);
   const std::vector<Vec3> points = testing::surface_points(field, 100, 3);
   // One iteration of steepest descent at a time, which the tolerance of 0.05 ends early: again and again from
   // where it was, the sum falls.
