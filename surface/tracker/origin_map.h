@@ -1,14 +1,13 @@
 // Where the liquid at a place has come from, by the particles around.
 #pragma once
 
-#include <algorithm>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "core/cell_grid.h"
-#include "core/parallel.h"
 #include "core/particles.h"
+#include "surface/mesh/triangle_mesh.h"
 
 namespace kappaflow {
 
@@ -20,7 +19,7 @@ struct Origin {
 
 /// The origins of particles, interpolated to any place x by affine moving least squares with the field's
 /// kernel, w_i = (1 - |x_i - x|^2/sigma_i^2)^3: of the minimum over a, B of
-///   sum_i w_i |X_i - x - R (x_i - x) - a - B (x_i - x)/sigma|^2 + 0.001 sum_i w_i |B|^2,
+///   sum_i w_i |X_i - x - R (x_i - x) - a - B (x_i - x)/sigma|^2 + 0.0001 sum_i w_i |B|^2,
 /// with X_i the origin of particle i and R the rotation that alone comes nearest, the origin at x is x + a.
 /// One side of the particles votes: those of one source whose origins are joined by a chain of others in
 /// reach of x, each within two sigma of the next.
@@ -50,8 +49,14 @@ class OriginMap {
   /// By the side that weighs most, the first of them if several; nullopt where nothing is in reach. May be
   /// called from many threads, each with voters of its own.
   std::optional<Origin> at(const Vec3& x, Voters& voters) const;
-  /// By the side whose origin is nearest to `own`, of those of own.source where that is known; nullopt where
-  /// that side weighs less than a tenth of all.
+  /// own and the side whose origin O is nearest to it, of those of own.source where that is known, taken
+  /// together: own + g (O - own). The variance of O is s^2 = h r^2 / max(1 - 4/n, 0.01), with r the weighted
+  /// RMS deviation of the side's particles from their fit, h the sum of the squared coefficients by which
+  /// their origins make O, and n = (sum w_i)^2 / sum w_i^2 their number; what the difference has beyond that
+  /// is own's error:
+  ///   g = max(0, 1 - (s^2/3)/|O - own|^2) min(max((0.4 sigma - s)/(0.2 sigma), 0), 1).
+  /// The first factor is that of James & Stein 1961 in three dimensions; the second keeps own where O is a
+  /// guess. nullopt where that side weighs less than a tenth of all.
   std::optional<Origin> at(const Vec3& x, const Origin& own, Voters& voters) const;
 
  private:
@@ -64,16 +69,12 @@ class OriginMap {
   double sigma_, reach_ = 0;
 };
 
-/// Calls visit(i, voters) for i in [0, n), in parallel, with memory for OriginMap::at().
-template <class Visit>
-void for_each_with_voters(std::size_t n, const Visit& visit) {
-  constexpr std::size_t kBlock = 64;  // that share their memory
-  parallel_for((n + kBlock - 1) / kBlock,
-               [&](std::size_t b) {
-                 OriginMap::Voters voters;
-                 for (std::size_t i = b * kBlock; i < std::min(n, (b + 1) * kBlock); ++i) visit(i, voters);
-               },
-               1);
-}
+/// Each vertex takes rest position and source from the side that weighs most: for a mesh that knows nothing
+/// of itself. One out of the particles' reach keeps its own.
+void take_origins(const OriginMap& map, TriangleMesh& mesh);
+
+/// Each vertex takes its rest position from the side that it is of, and keeps source and side, so that seams
+/// stay where they are. One whose side is hardly there keeps its own.
+void correct_origins(const OriginMap& map, TriangleMesh& mesh);
 
 }  // namespace kappaflow

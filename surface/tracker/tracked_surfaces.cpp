@@ -43,19 +43,6 @@ std::vector<char> from_particles(const SurfaceOptions& options) {
   return result;
 }
 
-/// A fresh mesh knows nothing of itself: the side that weighs most gives it all. A tracked vertex keeps its
-/// side, so that seams stay where they are.
-void take_origins(const OriginMap& map, bool is_fresh, TriangleMesh& mesh) {
-  for_each_with_voters(mesh.vertex_count(), [&](std::size_t v, OriginMap::Voters& voters) {
-    const Vec3& x = mesh.position[v];
-    const std::optional<Origin> origin =
-        is_fresh ? map.at(x, voters) : map.at(x, {mesh.rest_position[v], mesh.source[v]}, voters);
-    if (!origin) return;
-    mesh.rest_position[v] = origin->position;
-    if (is_fresh) mesh.source[v] = origin->source;
-  });
-}
-
 void find_nearest_sources(const Particles& particles, std::span<const int> source, bool anew,
                           TriangleMesh& mesh) {
   std::vector<std::size_t> unknown;
@@ -236,8 +223,8 @@ void TrackedSurfaces::take_origins(std::span<const int> source) {
   for (std::size_t m = 0; m < surfaces_.size(); ++m) {
     if (!from_particles_[m]) continue;
     const bool is_fresh = std::holds_alternative<FreshSurface>(surfaces_[m]);
-    report_[m].texture_seconds +=
-        seconds_of([&] { kappaflow::take_origins(map, is_fresh, mesh_of(surfaces_[m])); });
+    report_[m].texture_seconds += seconds_of(
+        [&] { (is_fresh ? kappaflow::take_origins : correct_origins)(map, mesh_of(surfaces_[m])); });
   }
 }
 

@@ -12,6 +12,7 @@
 #include "surface/mesh/mesh_measures.h"
 #include "surface/motion/velocity_methods.h"
 #include "surface/remesh/initial_mesh.h"
+#include "surface/tracker/origin_map.h"
 #include "tools/experiments/enright_flow.h"
 #include "tools/experiments/enright_results.h"
 #include "tools/experiments/peers.h"
@@ -58,6 +59,8 @@ struct EnrightOptions {
   double edge_length = 0;         ///< of the meshes that keep their connectivity [m]
   std::vector<double> remeshed;   ///< edge lengths of those that are remeshed [m]
   std::vector<std::string> methods{all_methods()}, remeshed_methods{"material"};
+  std::vector<std::string>
+      anchored_methods{};  ///< whose rest positions the particles correct, at edge_length
   int steps = 0;
   TrackerOptions tracker;
 };
@@ -68,10 +71,11 @@ void read_variant(TomlTable& t, bool particles, EnrightOptions& options) {
     options.spacing = t.number("spacing", {0.002, 0.05, false, "m"}, or_before(options.spacing));
     options.sigma = t.number("sigma", {1.2, 6, false, "spacings"}, or_before(options.sigma));
   }
-  options.edge_length = t.number("edge_length", {0.002, 0.1, false, "m"}, or_before(options.edge_length));
-  options.remeshed = t.numbers("remeshed_edge_lengths", {0.002, 0.1, false, "m"}, options.remeshed);
   const std::vector<std::string> known = all_methods();
   const std::vector<std::string_view> names(known.begin(), known.end());
+  if (particles) options.anchored_methods = t.names("anchored_methods", names, options.anchored_methods);
+  options.edge_length = t.number("edge_length", {0.002, 0.1, false, "m"}, or_before(options.edge_length));
+  options.remeshed = t.numbers("remeshed_edge_lengths", {0.002, 0.1, false, "m"}, options.remeshed);
   options.methods = t.names("methods", names, options.methods);
   options.remeshed_methods = t.names("remeshed_methods", names, options.remeshed_methods);
   options.steps =
@@ -108,23 +112,30 @@ EnrightOptions read_options(const ExperimentContext& context, bool particles, bo
   return options;
 }
 
-/// A variant: its field between any two times of the test.
-using MotionBetween = std::function<std::unique_ptr<FieldMotion>(double t0, double t1)>;
+/// A variant of the test.
+struct Variant {
+  std::function<std::unique_ptr<FieldMotion>(double t0, double t1)>
+      motion;                                       ///< its field between any two times
+  std::function<OriginMap(double time)> origins{};  ///< at the end of the motion asked for last; of particles
+};
 
 /// The trackers of a variant, each with the start of its result.
 struct Contest {
   std::vector<SurfaceTracker> trackers;
   std::vector<EnrightResult> results;
 
-  void add(const TriangleMesh& start, const std::string& method, const TrackerOptions& options) {
+  void add(const TriangleMesh& start, const std::string& method, const TrackerOptions& options,
+           bool anchored = false) {
     TrackerOptions tracker = options;
     tracker.method = velocity_method(method).evaluate;
     const double edge = tracker.remeshing.edge_length;
-    const std::string name = edge > 0 ? fmt::format("{} remeshed {}", method, edge) : method;
+    const std::string name =
+        edge > 0 ? fmt::format("{} {} {}", method, anchored ? "anchored" : "remeshed", edge) : method;
     trackers.emplace_back(start, tracker);
     results.push_back({name,
                        method,
                        edge,
+                       anchored,
                        start.triangles.size(),
                        area_and_volume(start.position, start.triangles).volume,
                        {},
@@ -146,6 +157,9 @@ Contest make_contest(const EnrightOptions& options, const Field& field) {
     tracker.remeshing.turn = options.tracker.remeshing.turn * edge / options.edge_length;
     const TriangleMesh remeshed_start = initial_mesh(field, edge, tracker.projection);
     for (const std::string& method : options.remeshed_methods) contest.add(remeshed_start, method, tracker);
+    if (edge != options.edge_length) continue;
+    for (const std::string& method : options.anchored_methods)
+      contest.add(remeshed_start, method, tracker, true);
   }
   return contest;
 }
@@ -158,15 +172,15 @@ void make_fields(FieldMotion& motion, TimeIntegrator integrator) {
   motion.at(motion.t1());
 }
 
-std::vector<EnrightResult> track_all(const EnrightOptions& options, const MotionBetween& motion_between,
+std::vector<EnrightResult> track_all(const EnrightOptions& options, const Variant& variant,
                                      const ExperimentContext& context, const EnrightShape& at_half,
                                      const EnrightShape& at_end) {
   const double dt = EnrightFlow::kPeriod / options.steps;
-  Contest contest = make_contest(options, *motion_between(0, dt)->at(0));
+  Contest contest = make_contest(options, *variant.motion(0, dt)->at(0));
   for (int n = 0; n < options.steps; ++n) {
     context.say(fmt::format("step {} of {}", n + 1, options.steps));
     const Stopwatch watch;
-    const auto motion = motion_between(n * dt, n + 1 == options.steps ? kEndTime : (n + 1) * dt);
+    const auto motion = variant.motion(n * dt, n + 1 == options.steps ? kEndTime : (n + 1) * dt);
     make_fields(*motion, options.tracker.integrator);
     const double shared_seconds = watch.seconds();
     for (std::size_t m = 0; m < contest.trackers.size(); ++m) {
@@ -175,11 +189,14 @@ std::vector<EnrightResult> track_all(const EnrightOptions& options, const Motion
       const TrackerStep step = tracker.step(*motion);
       result.seconds += shared_seconds + step.velocity_seconds + step.fairing_seconds +
                         step.topology_seconds + step.remesh_seconds;
+      if (result.anchored)
+        result.seconds += seconds_of([&] { correct_origins(variant.origins(motion->t1()), tracker.mesh()); });
       const bool half = 2 * (n + 1) == options.steps, end = n + 1 == options.steps;
       if (!half && !end) continue;
       const auto field = motion->at(motion->t1());
       const TrackerStep settled = tracker.settle(*field);
       result.seconds += settled.topology_seconds + settled.remesh_seconds;
+      if (result.anchored) correct_origins(variant.origins(motion->t1()), tracker.mesh());
       (half ? result.half : result.end) = measure(tracker, *field, half ? at_half : at_end);
     }
   }
@@ -196,16 +213,16 @@ void judge(const std::vector<EnrightResult>& results, bool particles, Report& re
   report.statements = {judged(returns_to_start(particles), returns), judged(kSoundAtHalfTime, sound)};
 }
 
-std::vector<EnrightResult> track_all(const EnrightOptions& options, const MotionBetween& motion_between,
+std::vector<EnrightResult> track_all(const EnrightOptions& options, const Variant& variant,
                                      const ExperimentContext& context) {
   const double resolution = context.options.quick ? kQuickEnrightResolution : kEnrightResolution;
   const EnrightShape at_half(kHalfTime, resolution), at_end(kEndTime, resolution);
-  return track_all(options, motion_between, context, at_half, at_end);
+  return track_all(options, variant, context, at_half, at_end);
 }
 
 Report enright(const ExperimentContext& context, const EnrightOptions& options, bool particles,
-               const MotionBetween& motion_between, const std::string& introduction) {
-  const std::vector<EnrightResult> results = track_all(options, motion_between, context);
+               const Variant& variant, const std::string& introduction) {
+  const std::vector<EnrightResult> results = track_all(options, variant, context);
   Report report;
   report.name = context.name;
   report.title = options.title;
@@ -237,11 +254,16 @@ ParticleFieldOptions field_of(const EnrightParticles& particles, const EnrightOp
   return field;
 }
 
-MotionBetween motion_of(EnrightParticles& particles, const ParticleFieldOptions& field) {
-  return [&particles, field](double t0, double t1) -> std::unique_ptr<FieldMotion> {
+Variant variant_of(EnrightParticles& particles, const ParticleFieldOptions& field) {
+  Variant variant;
+  variant.motion = [&particles, field](double t0, double t1) -> std::unique_ptr<FieldMotion> {
     const Particles before = particles.at(t0);
     return std::make_unique<ParticleMotion>(before, particles.at(t1), field);
   };
+  variant.origins = [&particles, start = particles.at(0).position, sigma = field.sigma](double time) {
+    return OriginMap(particles.at(time), start, {}, sigma);
+  };
+  return variant;
 }
 
 std::unique_ptr<FieldMotion> exact_motion(double t0, double t1) {
@@ -254,9 +276,9 @@ std::vector<EnrightResult> remeshed_in_enright(const ExperimentContext& context,
   EnrightOptions options = read_options(context, on_particles, context.options.quick);
   options.methods.clear();
   options.remeshed = {options.edge_length};
-  if (!on_particles) return track_all(options, exact_motion, context);
+  if (!on_particles) return track_all(options, {exact_motion}, context);
   EnrightParticles particles(options.spacing);
-  return track_all(options, motion_of(particles, field_of(particles, options)), context);
+  return track_all(options, variant_of(particles, field_of(particles, options)), context);
 }
 
 Report experiment_enright_particles(const ExperimentContext& context) {
@@ -265,7 +287,7 @@ Report experiment_enright_particles(const ExperimentContext& context) {
   const ParticleFieldOptions field = field_of(particles, options);
   const std::size_t count = particles.at(0).size();
   return enright(
-      context, options, true, motion_of(particles, field),
+      context, options, true, variant_of(particles, field),
       fmt::format(
           "{} particles, on shells {} m apart at the start, are carried by the flow exactly; the "
           "surface is that of Eq. 12 with sigma = {} m, normalised weights, and the threshold {:.4f} that "
@@ -275,7 +297,7 @@ Report experiment_enright_particles(const ExperimentContext& context) {
 
 Report experiment_enright_exact(const ExperimentContext& context) {
   const EnrightOptions options = read_options(context, false, context.options.quick);
-  return enright(context, options, false, exact_motion,
+  return enright(context, options, false, {exact_motion},
                  "The surface is the exact image of the sphere: its implicit function at the point that the "
                  "flow came from, with all derivatives.");
 }

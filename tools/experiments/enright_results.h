@@ -24,9 +24,10 @@ struct EnrightSample {
 
 /// One tracked surface over the whole test.
 struct EnrightResult {
-  std::string method;      ///< with "remeshed" and the edge length [m] where it is
+  std::string method;      ///< with "remeshed" or "anchored" and the edge length [m] where it is
   std::string velocity;    ///< the method's own name
   double edge_length = 0;  ///< [m]; 0: its connectivity is kept
+  bool anchored = false;   ///< the particles correct its rest positions after each step
   std::size_t start_triangles = 0;
   double start_volume = 0;  ///< of the start mesh [m3]
   EnrightSample half, end;

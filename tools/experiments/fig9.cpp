@@ -106,6 +106,7 @@ Table method_table(const RunSummary& run) {
   return table;
 }
 
+/// Of the methods that have such a value: fresh meshes have no motion.
 Plot plot_over_time(const RunSummary& run, const std::string& title, const std::string& label,
                     const std::function<double(const SurfaceMetrics&)>& value) {
   Plot plot{title, "t [s]", label, {}};
@@ -113,7 +114,8 @@ Plot plot_over_time(const RunSummary& run, const std::string& title, const std::
     Curve curve = method_curve(method.name);
     for (std::size_t f = 0; f < run.frames.size(); ++f)
       curve.points.emplace_back(run.frames[f].time, value(method.frames[f]));
-    plot.curves.push_back(std::move(curve));
+    const auto known = [](const Vec2& point) { return !std::isnan(point.y()); };
+    if (std::ranges::any_of(curve.points, known)) plot.curves.push_back(std::move(curve));
   }
   return plot;
 }

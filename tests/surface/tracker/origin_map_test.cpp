@@ -120,6 +120,51 @@ TEST(OriginMap, ASideIsKeptWhereItIsThere) {
   EXPECT_FALSE(named.at(Vec3(0.2, 0, 0), {left, 4}, voters).has_value()) << "its liquid is not here";
 }
 
+/// Mean distance from where `places` were, of what the map says with and without what they carried along.
+struct Errors {
+  double carried = 0, fitted = 0, together = 0;
+};
+Errors errors(const OriginMap& map, const std::vector<Vec3>& places, double drift) {
+  std::mt19937 random(8);
+  std::normal_distribution<double> normal(0, drift / std::sqrt(3));
+  OriginMap::Voters voters;
+  Errors sum;
+  for (const Vec3& x : places) {
+    const Vec3 carried = x + Vec3(normal(random), normal(random), normal(random));
+    sum.carried += (carried - x).norm();
+    sum.fitted += (map.at(x, voters).value().position - x).norm();
+    sum.together += (map.at(x, {carried, kUnknownSource}, voters).value().position - x).norm();
+  }
+  const double n = static_cast<double>(places.size());
+  return {sum.carried / n, sum.fitted / n, sum.together / n};
+}
+
+// Particles that have moved about each other, by 0.03 sigma and by sigma, below the top of their block.
+TEST(OriginMap, WhatAVertexCarriedCountsByHowWellParticlesKnow) {
+  const Particles particles = block(7);
+  std::mt19937 random(9);
+  std::vector<Vec3> places;
+  for (int k = 0; k < 200; ++k) {
+    std::uniform_real_distribution<double> inside(-0.25, 0.25);
+    places.emplace_back(inside(random), inside(random), 0.35);
+  }
+  const auto moved_about = [&](double distance) {
+    std::normal_distribution<double> normal(0, distance / std::sqrt(3));
+    return mapped(particles.position, [&](const Vec3& x) -> Vec3 {
+      return x + Vec3(normal(random), normal(random), normal(random));
+    });
+  };
+  const OriginMap known(particles, moved_about(0.03 * kSigma), {}, kSigma);
+  const Errors small = errors(known, places, 0.001 * kSigma), large = errors(known, places, kSigma);
+  EXPECT_LT(small.together, 0.7 * small.fitted) << "noise is not taken over";
+  EXPECT_LT(large.together, 1.1 * large.fitted);
+  EXPECT_LT(large.together, 0.1 * large.carried) << "drift goes";
+  const OriginMap guess(particles, moved_about(kSigma), {}, kSigma);
+  const Errors guessed = errors(guess, places, 0.2 * kSigma);
+  EXPECT_GT(guessed.fitted, 2 * guessed.carried);
+  EXPECT_NEAR(guessed.together, guessed.carried, 0.05 * guessed.carried);
+}
+
 // Each particle within a link of the next, the last more than that from the first.
 TEST(OriginMap, LiquidThatWasDrawnOutIsOneSide) {
   const Particles particles = block(4);
