@@ -5,7 +5,8 @@ set(KAPPAFLOW_PUBLIC_HEADERS
     core/nearest_on_triangle.h core/parallel.h core/particles.h core/solid_distance.h core/solid_wall.h core/solids.h
     core/triangle_tree.h core/types.h core/whole_within.h
     surface/field/field.h surface/field/jet.h surface/field/particle_field.h surface/field/particle_motion.h
-    surface/field/particle_weights.h surface/field/projection.h surface/field/time_integrator.h
+    surface/field/particle_weights.h surface/field/projection.h surface/field/taylor.h surface/field/taylor_terms.h
+    surface/field/time_integrator.h
     surface/mesh/isosurface.h surface/mesh/mesh_measures.h surface/mesh/triangle_mesh.h surface/mesh/vertex_arrays.h
     surface/mesh/vertex_history.h
     surface/motion/material.h surface/motion/normal.h surface/motion/pointwise.h surface/motion/regional.h

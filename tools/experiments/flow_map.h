@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "tools/experiments/taylor.h"
+#include "surface/field/taylor.h"
 
 namespace kappaflow {
 

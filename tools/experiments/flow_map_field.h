@@ -55,13 +55,8 @@ class FlowMapField final : public Field {
 
  private:
   template <int Degree>
-  static Point<Taylor<Degree>> variables(const Vec3& x) {
-    return {Taylor<Degree>::variable(x[0], 0), Taylor<Degree>::variable(x[1], 1),
-            Taylor<Degree>::variable(x[2], 2)};
-  }
-  template <int Degree>
   Taylor<Degree> value(const Vec3& x) const {
-    return Flow::initial_value(flow_map<Flow>(-path_, variables<Degree>(x)));
+    return Flow::initial_value(flow_map<Flow>(-path_, taylor_variables<Degree>(x)));
   }
 
   double time_, rate_, path_;
@@ -94,19 +89,10 @@ class FlowMapMotion final : public FieldMotion {
 template <class Flow>
 Jet FlowMapField<Flow>::jet(const Vec3& x) const {
   const Taylor<3> f = value<3>(x);
-  const Point<Taylor<2>> U = Flow::velocity(variables<2>(x));
+  const Point<Taylor<2>> U = Flow::velocity(taylor_variables<2>(x));
   const Taylor<2> f_t = -rate_ * (U[0] * f.derivative(0) + U[1] * f.derivative(1) + U[2] * f.derivative(2));
-  Jet jet;
-  jet.f = f.value();
-  jet.g = f.gradient();
-  jet.A = f.hessian();
-  jet.C = f.third_derivatives();
-  jet.f_t = f_t.value();
-  jet.g_t = f_t.gradient();
-  jet.A_t = f_t.hessian();
-  jet.length_scale = Flow::kLengthScale;
-  jet.fastest_in_reach = std::abs(rate_) * Vec3(U[0].value(), U[1].value(), U[2].value()).norm();
-  return jet;
+  const double speed = std::abs(rate_) * Vec3(U[0].value(), U[1].value(), U[2].value()).norm();
+  return jet_of(f, f_t, Flow::kLengthScale, speed);
 }
 
 template <class Flow>

@@ -1,5 +1,10 @@
-// Tracks the surface of a turning body by a velocity method of this program's own, with an array of its own.
+// Tracks the surface of a turning body by a velocity method of this program's own, with an array of its own;
+// and the surface of a field of its own.
 #include <kappaflow/core/errors.h>
+#include <kappaflow/surface/mesh/mesh_measures.h>
+#include <kappaflow/surface/motion/velocity_methods.h>
+#include <kappaflow/surface/remesh/initial_mesh.h>
+#include <kappaflow/surface/tracker/surface_tracker.h>
 #include <kappaflow/surface/tracker/tracked_surfaces.h>
 
 #include <Eigen/Geometry>
@@ -8,6 +13,7 @@
 #include <cstdio>
 
 #include "height.h"
+#include "ovals.h"
 
 using namespace kappaflow;
 
@@ -76,9 +82,51 @@ bool temperatures_stay() {
   return born > 0 && error < 1e-12;
 }
 
+/// Volume of the ovals: pi times the integral of y^2 = sqrt(4 c^2 x^2 + 1) - x^2 - c^2 over where that is
+/// positive.
+double volume_of_ovals(double c) {
+  constexpr int kPoints = 100000;
+  const double end = std::sqrt(1 + c * c);
+  double sum = 0;
+  for (int k = 0; k < kPoints; ++k) {
+    const double x = end * (k + 0.5) / kPoints;
+    sum += std::max(0.0, std::sqrt(4 * c * c * x * x + 1) - x * x - c * c);
+  }
+  return 2 * 3.14159265358979 * end / kPoints * sum;
+}
+
+/// Whether a method follows the surface of a field that particles do not define, also where it splits.
+bool ovals_split(const char* method) {
+  constexpr double kEdgeLength = 0.05, kDuration = 0.4, kStep = 0.01;  // [m], [s]
+  TrackerOptions options;
+  options.method = velocity_method(method).evaluate;
+  options.remeshing.edge_length = kEdgeLength;
+  options.topology.follows_field = true;
+  const Ovals first(0), last(kDuration);
+  SurfaceTracker tracker(
+      SurfaceTracker::settled(first, initial_mesh(first, kEdgeLength, options.projection), options), options);
+  const auto pieces = [&] {
+    return mesh_topology(tracker.mesh().position, tracker.mesh().triangles).components;
+  };
+  const int pieces_before = pieces();
+  for (int n = 0; n < 40; ++n) {
+    MovingOvals motion(n * kStep, (n + 1) * kStep);
+    tracker.step(motion);
+  }
+  tracker.settle(Ovals(40 * kStep));
+  const TriangleMesh& mesh = tracker.mesh();
+  const double volume = area_and_volume(mesh.position, mesh.triangles).volume;
+  const double exact = volume_of_ovals(Ovals::kFirst + Ovals::kSpeed * kDuration);
+  std::printf("ovals by %s: pieces %d, %d; volume %.2f m3 of %.2f m3\n", method, pieces_before, pieces(),
+              volume, exact);
+  return pieces_before == 1 && pieces() == 2 && std::ranges::count(mesh.unprojected, 1) == 0 &&
+         std::abs(volume / exact - 1) < 0.01;
+}
+
 int main() try {
-  const bool heights = heights_stay(), temperatures = temperatures_stay();
-  return heights && temperatures ? 0 : 1;
+  const bool heights = heights_stay(), temperatures = temperatures_stay(),
+             split = ovals_split("total") && ovals_split("curvature") && ovals_split("regional");
+  return heights && temperatures && split ? 0 : 1;
 } catch (const Error& error) {
   std::fprintf(stderr, "height: error: %s\n", error.what());
   return error.exit_code();

@@ -1,6 +1,8 @@
-#include "tools/experiments/taylor.h"
+#include "surface/field/taylor.h"
 
 #include <gtest/gtest.h>
+
+#include <algorithm>
 
 namespace kappaflow {
 namespace {
@@ -8,9 +10,8 @@ namespace {
 const Vec3 kPlace(0.7, -1.3, 0.4);
 
 template <int Degree>
-std::array<Taylor<Degree>, 3> variables() {
-  return {Taylor<Degree>::variable(kPlace[0], 0), Taylor<Degree>::variable(kPlace[1], 1),
-          Taylor<Degree>::variable(kPlace[2], 2)};
+auto variables() {
+  return taylor_variables<Degree>(kPlace);
 }
 
 /// The ten in their order.
@@ -62,6 +63,42 @@ TEST(Taylor, SquaresOfSineAndCosineAddUpToOne) {
   EXPECT_NEAR(one.value(), 1, 1e-15);
   EXPECT_LT(one.gradient().norm() + one.hessian().norm(), 1e-13);
   for (const double third : listed(one.third_derivatives())) EXPECT_NEAR(third, 0, 1e-12);
+}
+
+/// The largest difference of any derivative.
+double distance(const Taylor<3>& a, const Taylor<3>& b) {
+  const Taylor<3> d = a - b;
+  double largest = std::max({std::abs(d.value()), d.gradient().norm(), d.hessian().norm()});
+  for (const double third : listed(d.third_derivatives())) largest = std::max(largest, std::abs(third));
+  return largest;
+}
+
+TEST(Taylor, RootsExponentialsAndQuotientsUndoWhatTheyDo) {
+  const auto [x, y, z] = variables<3>();
+  const Taylor<3> a = x * x + y * y + x * z + 3, b = x * y - z;
+  EXPECT_LT(distance(sqrt(a) * sqrt(a), a), 1e-14);
+  EXPECT_LT(distance(a / b * b, a), 1e-12);
+  EXPECT_LT(distance(exp(a) * exp(-a), x - x + 1), 1e-10);
+  EXPECT_LT(distance(exp(a + b), exp(a) * exp(b)), 1e-12 * exp(a + b).value());
+  // The derivative of exp(b) is exp(b) b', of sqrt(a) it is a'/(2 sqrt a).
+  EXPECT_LT((exp(b).gradient() - exp(b).value() * b.gradient()).norm(), 1e-14);
+  EXPECT_LT((sqrt(a).gradient() - a.gradient() / (2 * std::sqrt(a.value()))).norm(), 1e-14);
+}
+
+TEST(Taylor, MakesAJet) {
+  const auto f = [](const auto& p) { return exp(p[0] * p[1]) - p[2] * p[2]; };
+  const auto rate = [](const auto& p) { return p[0] * p[2]; };
+  const Jet jet = jet_of(f(taylor_variables<3>(kPlace)), rate(taylor_variables<2>(kPlace)), 0.5, 2);
+  const double e = std::exp(kPlace[0] * kPlace[1]);
+  EXPECT_NEAR(jet.f, e - kPlace[2] * kPlace[2], 1e-15);
+  EXPECT_LT((jet.g - Vec3(kPlace[1] * e, kPlace[0] * e, -2 * kPlace[2])).norm(), 1e-15);
+  EXPECT_NEAR(jet.A(2, 2), -2, 1e-15);
+  EXPECT_NEAR(jet.C.xxx, std::pow(kPlace[1], 3) * e, 1e-14);
+  EXPECT_NEAR(jet.f_t, kPlace[0] * kPlace[2], 1e-15);
+  EXPECT_LT((jet.g_t - Vec3(kPlace[2], 0, kPlace[0])).norm(), 1e-15);
+  EXPECT_EQ(jet.A_t(0, 2), 1);
+  EXPECT_EQ(jet.length_scale, 0.5);
+  EXPECT_EQ(jet.fastest_in_reach, 2);
 }
 
 TEST(Taylor, LowerDegreesAreTheSameFunction) {

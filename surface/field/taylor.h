@@ -1,17 +1,19 @@
 // Truncated Taylor polynomials in three variables: arithmetic on a function together with all its derivatives
-// up to a degree, so that a formula written once yields them without differences.
+// up to a degree, so that a formula written once yields them without differences. For fields of formulas.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <utility>
 
 #include "surface/field/jet.h"
-#include "tools/experiments/taylor_terms.h"
+#include "surface/field/taylor_terms.h"
 
 namespace kappaflow {
 
 /// A function of d in R^3 near d = 0: sum over |a| <= Degree of c_a d^a, c_a = (derivative a at 0) / a!.
-/// Sums, products, sine and cosine are exact up to the degree, which is 1, 2 or 3; higher terms are dropped.
+/// Arithmetic, sqrt, exp, sine and cosine are exact up to the degree, which is 1, 2 or 3; higher terms are
+/// dropped.
 template <int Degree>
 class Taylor {
  public:
@@ -56,10 +58,28 @@ class Taylor {
   }
   friend Taylor operator-(const Taylor& a, const Taylor& b) { return Taylor(a.c_ - b.c_); }
   friend Taylor operator*(double s, const Taylor& a) { return Taylor(s * a.c_); }
+  friend Taylor operator-(const Taylor& a) { return Taylor(-a.c_); }
+  friend Taylor operator*(const Taylor& a, double s) { return Taylor(s * a.c_); }
+  friend Taylor operator+(const Taylor& a, double s) { return a.plus(s); }
+  friend Taylor operator+(double s, const Taylor& a) { return a.plus(s); }
   friend Taylor operator-(const Taylor& a, double s) { return a.plus(-s); }
-  friend Taylor operator-(double s, const Taylor& a) { return Taylor(-a.c_).plus(s); }
+  friend Taylor operator-(double s, const Taylor& a) { return (-a).plus(s); }
   friend Taylor operator*(const Taylor& a, const Taylor& b) { return product<0, 0>(a, b); }
   friend Taylor operator+(Taylor a, const Taylor& b) { return a += b; }
+
+  friend Taylor operator/(const Taylor& a, const Taylor& b) {
+    const double r = 1 / b.c_[0];
+    return a * b.function({r, -r * r, 2 * r * r * r, -6 * r * r * r * r});
+  }
+  /// a > 0.
+  friend Taylor sqrt(const Taylor& a) {
+    const double s = std::sqrt(a.c_[0]), r = 1 / a.c_[0];
+    return a.function({s, s * r / 2, -s * r * r / 4, 3 * s * r * r * r / 8});
+  }
+  friend Taylor exp(const Taylor& a) {
+    const double e = std::exp(a.c_[0]);
+    return a.function({e, e, e, e});
+  }
 
   /// {sin a, cos a}: with a = a_0 + n, n^4 = 0, sin n = n - n^3/6 and cos n = 1 - n^2/2.
   friend std::pair<Taylor, Taylor> sine_and_cosine(const Taylor& a) {
@@ -80,6 +100,12 @@ class Taylor {
     Taylor t = *this;
     t.c_[0] += s;
     return t;
+  }
+
+  /// g(this), of a function g of one variable whose value and derivatives at value() are given.
+  Taylor function(const std::array<double, 4>& g) const {
+    const Taylor n = plus(-c_[0]), n2 = product<1, 1>(n, n), n3 = product<2, 1>(n2, n);
+    return Taylor(g[1] * n.c_ + g[2] / 2 * n2.c_ + g[3] / 6 * n3.c_).plus(g[0]);
   }
 
   /// a b where the terms of a below degree A, and of b below degree B, vanish. Unrolled at compile time, and
@@ -108,6 +134,20 @@ class Taylor {
 /// The same for a plain number, so that formulas serve both.
 inline std::pair<double, double> sine_and_cosine(double a) {
   return {std::sin(a), std::cos(a)};
+}
+
+/// The three variables about x, to put into a formula.
+template <int Degree>
+std::array<Taylor<Degree>, 3> taylor_variables(const Vec3& x) {
+  return {Taylor<Degree>::variable(x[0], 0), Taylor<Degree>::variable(x[1], 1),
+          Taylor<Degree>::variable(x[2], 2)};
+}
+
+/// The jet of a field from f and its partial time derivative f_t. length_scale [m]; speed: the largest of
+/// what makes the field here [m/s].
+inline Jet jet_of(const Taylor<3>& f, const Taylor<2>& f_t, double length_scale, double speed) {
+  return {f.value(),     f.gradient(), f.hessian(), f.third_derivatives(), f_t.value(), f_t.gradient(),
+          f_t.hessian(), length_scale, speed};
 }
 
 }  // namespace kappaflow
