@@ -47,6 +47,7 @@ constexpr double kSecondsPerRemeshing = 1.2e-6;  // likewise: remeshing, and loo
 constexpr double kSecondsPerRegionVertex = 0.8e-6;  // to replace a region of a mesh of so many vertices
 constexpr double kSecondsPerFreshVertex =
     8e-6;  // a frame: meshing it anew, and where its liquid has come from
+constexpr double kSecondsPerGridPoint = 14e-6;      // a step of fresh-grid
 constexpr double kOutputSecondsPerParticle = 2e-6;  // a frame
 constexpr double kOutputSecondsPerVertex = 20e-6;   // a frame and method, measures included
 constexpr double kParallelShare = 0.9;              // of all but output (Amdahl 1967)
@@ -290,6 +291,13 @@ double tracker_seconds_per_vertex(const Scene& scene) {
   return total;
 }
 
+/// A step of the grids that carry textures, for each particle: their points fill the liquid.
+double grid_seconds_per_particle(const Scene& scene) {
+  const double spacing = scene.surface.edge_length * scene.surface.sigma;  // of the points, in the particles'
+  const auto grids = static_cast<double>(std::ranges::count(scene.surface.methods, "fresh-grid"));
+  return grids * kSecondsPerGridPoint * std::pow(spacing, -3);
+}
+
 /// Changes of topology of one surface for a second of simulated time. They come the oftener the faster the
 /// liquid moves, in spacings; the more shreds there are, the more meet; a stream folds.
 double topology_seconds(double smooth, double torn, const Scene& scene, const Flow& flow) {
@@ -341,7 +349,7 @@ void add_work(const Scene& scene, const FluidParticlesAtStart& start, const Flow
     shared += steps * particles *
               (kSolverSecondsPerParticleStep +
                viscous_iterations(lasting / steps, scene) * kSecondsPerViscousIteration);
-    shared += tracker_steps * vertices * vertex_step +
+    shared += tracker_steps * (vertices * vertex_step + particles * grid_seconds_per_particle(scene)) +
               tracked * lasting * topology_seconds(smooth, torn, scene, flow) +
               (methods - tracked) * frames / spans * vertices * kSecondsPerFreshVertex;
     shared += tracker_steps * first * stages(scene.surface.tracker.integrator) *

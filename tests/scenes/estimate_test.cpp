@@ -42,11 +42,13 @@ TEST(Estimate, TimeFollowsDurationMethodsStepsAndThreads) {
   const Scene scene = tank(0.05);
   const double seconds = estimate_of(scene, 1).seconds;
   EXPECT_GT(seconds, 0);
-  Scene longer = scene, unfollowed = scene, slower = scene;
+  Scene longer = scene, unfollowed = scene, slower = scene, on_a_grid = scene;
   longer.duration = 10;
   EXPECT_GT(estimate_of(longer, 1).seconds, 9 * seconds);
   unfollowed.surface.methods.clear();
   EXPECT_LT(estimate_of(unfollowed, 1).seconds, seconds);
+  on_a_grid.surface.methods = {"fresh-grid"};
+  EXPECT_GT(estimate_of(on_a_grid, 1).seconds, 1.5 * seconds);
   slower.fluid.max_time_step /= 10;
   EXPECT_GT(estimate_of(slower, 1).seconds, 2 * seconds);
   EXPECT_LT(estimate_of(scene, 2).seconds, seconds);
