@@ -9,7 +9,7 @@
 #include "core/parse_number.h"
 #include "core/read_file.h"
 #include "tools/io/point_data.h"
-#include "tools/io/xml_attribute.h"
+#include "tools/io/xml_parser.h"
 
 namespace kappaflow {
 namespace {
@@ -44,7 +44,7 @@ std::vector<PvdEntry> read_pvd(const std::filesystem::path& file) {
   XML_SetStartElementHandler(parser.get(), begin_element);
   const XML_Status status = XML_Parse(parser.get(), text.data(), static_cast<int>(text.size()), XML_TRUE);
   if (status == XML_STATUS_ERROR)
-    throw IoError(file.string(), fmt::format("line {}: {}", XML_GetCurrentLineNumber(parser.get()),
+    throw IoError(file.string(), fmt::format("line {}: {}", xml_line(parser.get()),
                                              XML_ErrorString(XML_GetErrorCode(parser.get()))));
   if (!collection.found) throw IoError(file.string(), "is not a ParaView collection (.pvd)");
   for (std::size_t k = 0; k < collection.entries.size(); ++k) try {

@@ -18,7 +18,7 @@
 #include "core/parse_number.h"
 #include "core/text_scanner.h"
 #include "tools/io/vtk_xml_binary.h"
-#include "tools/io/xml_attribute.h"
+#include "tools/io/xml_parser.h"
 
 namespace kappaflow {
 namespace {
@@ -225,14 +225,9 @@ class Reader {
   std::size_t offset_ = 0;
 };
 
-// Deprecated since expat 2.8 in favour of functions that older ones do not have.
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wdeprecated-declarations"
 std::string place_of(XML_Parser parser) {
-  return fmt::format("line {}, column {}", XML_GetCurrentLineNumber(parser),
-                     XML_GetCurrentColumnNumber(parser) + 1);
+  return fmt::format("line {}, column {}", xml_line(parser), xml_column(parser));
 }
-#pragma GCC diagnostic pop
 
 /// Feeds a reader with what expat finds. Exceptions must not cross expat, which is C.
 class Parser {
