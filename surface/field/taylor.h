@@ -56,6 +56,10 @@ class Taylor {
     c_ += other.c_;
     return *this;
   }
+  Taylor& operator-=(const Taylor& other) {
+    c_ -= other.c_;
+    return *this;
+  }
   friend Taylor operator-(const Taylor& a, const Taylor& b) { return Taylor(a.c_ - b.c_); }
   friend Taylor operator*(double s, const Taylor& a) { return Taylor(s * a.c_); }
   friend Taylor operator-(const Taylor& a) { return Taylor(-a.c_); }
@@ -67,10 +71,13 @@ class Taylor {
   friend Taylor operator*(const Taylor& a, const Taylor& b) { return product<0, 0>(a, b); }
   friend Taylor operator+(Taylor a, const Taylor& b) { return a += b; }
 
-  friend Taylor operator/(const Taylor& a, const Taylor& b) {
+  /// b != 0, as in all quotients.
+  friend Taylor operator/(double s, const Taylor& b) {
     const double r = 1 / b.c_[0];
-    return a * b.function({r, -r * r, 2 * r * r * r, -6 * r * r * r * r});
+    return b.function({s * r, -s * r * r, 2 * s * r * r * r, -6 * s * r * r * r * r});
   }
+  friend Taylor operator/(const Taylor& a, const Taylor& b) { return a * (1.0 / b); }
+  friend Taylor operator/(const Taylor& a, double s) { return Taylor(a.c_ / s); }
   /// a > 0.
   friend Taylor sqrt(const Taylor& a) {
     const double s = std::sqrt(a.c_[0]), r = 1 / a.c_[0];
@@ -102,10 +109,18 @@ class Taylor {
     return t;
   }
 
-  /// g(this), of a function g of one variable whose value and derivatives at value() are given.
+  /// g(this), of a function g of one variable whose value and derivatives at value() are given. Its value
+  /// stands even where derivatives are infinite.
   Taylor function(const std::array<double, 4>& g) const {
-    const Taylor n = plus(-c_[0]), n2 = product<1, 1>(n, n), n3 = product<2, 1>(n2, n);
-    return Taylor(g[1] * n.c_ + g[2] / 2 * n2.c_ + g[3] / 6 * n3.c_).plus(g[0]);
+    const Taylor n = plus(-c_[0]);
+    Coefficients c = g[1] * n.c_;
+    if constexpr (Degree >= 2) {
+      const Taylor n2 = product<1, 1>(n, n);
+      c += g[2] / 2 * n2.c_;
+      if constexpr (Degree >= 3) c += g[3] / 6 * product<2, 1>(n2, n).c_;
+    }
+    c[0] = g[0];
+    return Taylor(c);
   }
 
   /// a b where the terms of a below degree A, and of b below degree B, vanish. Unrolled at compile time, and

@@ -18,8 +18,8 @@ constexpr double kLeastShare = 0.1;  // [1] of the weight in reach: a side with 
 // thinner than the particles' spacing, which says little of what is above it.
 constexpr double kKnown = 0.2, kGuess = 0.4;
 constexpr double kParameters = 4;  // of an affine map, a component
-constexpr double kLeastSpare =
-    0.01;  // of the voters: where they just suffice for the fit they hardly deviate from it
+constexpr double kAcross =
+    3;  // [1] strain across a sheet, which its particles do not show, over that along it
 
 /// Gives all voters that a chain joins to the first one its side.
 void spread_side(std::size_t first, double link2, OriginMap::Voters& voters) {
@@ -58,56 +58,74 @@ Mat3 fitted_rotation(std::span<const OriginMap::Voter> voters, int side) {
   return svd.matrixU() * Vec3(1, 1, handed).asDiagonal() * svd.matrixV().transpose();
 }
 
-/// What the voters of a side say of x.
+/// The motion of a side about x: X_i - x - R r_i = a + B r_i/sigma, with r_i = x_i - x. Beside the rotation,
+/// so that the ridge takes nothing from liquid that has turned, and what particles in one plane leave open
+/// turns with them.
 struct OriginFit {
-  Vec3 origin;      ///< [m]
-  double variance;  ///< of its three components together [m2]
+  Mat3 rotation = Mat3::Identity();                                          ///< R
+  Eigen::Matrix<double, 4, 3> motion = Eigen::Matrix<double, 4, 3>::Zero();  ///< a and the columns of B [m]
+  Eigen::LDLT<Eigen::Matrix4d> moment{};  ///< of the voters, with the ridge
+  Vec3 mean = Vec3::Zero();               ///< of X_i - x - R r_i [m]
+  double weight = 0;                      ///< of the voters
+
+  Vec3 shift() const { return motion.row(0).transpose(); }
 };
 
-/// Beside the rotation, so that the ridge takes nothing from liquid that has turned, and what particles in
-/// one plane leave open turns with them.
-OriginFit fitted_origin(const Vec3& x, std::span<const OriginMap::Voter> voters, int side, double sigma) {
-  const Mat3 rotation = fitted_rotation(voters, side);
-  const auto basis = [&](const OriginMap::Voter& voter) {
-    const Vec3 r = voter.offset / sigma;
-    return Eigen::Vector4d(1, r[0], r[1], r[2]);
-  };
-  const auto moved = [&](const OriginMap::Voter& voter) -> Vec3 {
-    return voter.origin - rotation * voter.offset - x;
-  };
-  Eigen::Matrix4d moment = Eigen::Matrix4d::Zero();
-  Eigen::Matrix<double, 4, 3> rhs = Eigen::Matrix<double, 4, 3>::Zero();
+/// Calls visit(w_i, (1, r_i/sigma), X_i - x - R r_i) for the voters of a side.
+template <class Visit>
+void for_each_voter(std::span<const OriginMap::Voter> voters, int side, const Vec3& x, const Mat3& rotation,
+                    double sigma, const Visit& visit) {
   for (const OriginMap::Voter& voter : voters) {
     if (voter.side != side) continue;
-    const Eigen::Vector4d weighted = voter.weight * basis(voter);
-    moment += weighted * basis(voter).transpose();
-    rhs += weighted * moved(voter).transpose();
+    const Vec3 r = voter.offset / sigma, moved = voter.origin - rotation * voter.offset - x;
+    visit(voter.weight, Eigen::Vector4d(1, r[0], r[1], r[2]), moved);
   }
-  const double weight = moment(0, 0);
-  moment.diagonal().tail<3>().array() += kRidge * weight;
-  const Eigen::LDLT<Eigen::Matrix4d> solver(moment);
-  const Eigen::Matrix<double, 4, 3> motion = solver.solve(rhs);
-  const Eigen::Vector4d share =
-      solver.solve(Eigen::Vector4d::Unit(0));  // the origin is sum w share . basis moved
-  double leverage = 0, deviation2 = 0, weight2 = 0;
-  for (const OriginMap::Voter& voter : voters) {
-    if (voter.side != side) continue;
-    const Eigen::Vector4d at = basis(voter);
-    const double vote = voter.weight * share.dot(at);
-    leverage += vote * vote;
-    deviation2 += voter.weight * (moved(voter) - motion.transpose() * at).squaredNorm();
-    weight2 += voter.weight * voter.weight;
-  }
-  const double count = weight * weight / weight2;  // of voters that weigh alike and say as much (Kish 1965)
-  const double spare = std::max(1 - kParameters / count, kLeastSpare);
-  return {x + motion.row(0).transpose(), leverage * deviation2 / (weight * spare)};
 }
 
-/// How much of the difference between a vertex's own origin and the fit is the vertex's error.
-double share_of_own_error(const OriginFit& fit, const Vec3& own, double sigma) {
-  const double difference2 = (fit.origin - own).squaredNorm(), error2 = fit.variance / 3;
+OriginFit fitted_origin(const Vec3& x, std::span<const OriginMap::Voter> voters, int side, double sigma) {
+  OriginFit fit;
+  fit.rotation = fitted_rotation(voters, side);
+  Eigen::Matrix4d moment = Eigen::Matrix4d::Zero();
+  Eigen::Matrix<double, 4, 3> rhs = Eigen::Matrix<double, 4, 3>::Zero();
+  for_each_voter(voters, side, x, fit.rotation, sigma,
+                 [&](double weight, const Eigen::Vector4d& at, const Vec3& moved) {
+                   moment += weight * at * at.transpose();
+                   rhs += weight * at * moved.transpose();
+                 });
+  fit.weight = moment(0, 0);
+  fit.mean = rhs.row(0).transpose() / fit.weight;
+  moment.diagonal().tail<3>().array() += kRidge * fit.weight;
+  fit.moment.compute(moment);
+  fit.motion = fit.moment.solve(rhs);
+  return fit;
+}
+
+/// Of the origin that a fit says, its three components together [m2]; see OriginMap::at().
+double variance_of(const OriginFit& fit, const Vec3& x, std::span<const OriginMap::Voter> voters, int side,
+                   double sigma) {
+  const Eigen::Vector4d row = fit.moment.solve(Eigen::Vector4d::Unit(0));
+  double leverage = 0, strained = 0, rigid = 0, weight2 = 0;
+  Vec3 unseen = Vec3::Zero();
+  for_each_voter(voters, side, x, fit.rotation, sigma,
+                 [&](double weight, const Eigen::Vector4d& at, const Vec3& moved) {
+                   const double vote = weight * row.dot(at);
+                   leverage += vote * vote;
+                   unseen += vote * at.tail<3>();
+                   strained += weight * (moved - fit.motion.transpose() * at).squaredNorm();
+                   rigid += weight * (moved - fit.mean).squaredNorm();
+                   weight2 += weight * weight;
+                 });
+  const double count = fit.weight * fit.weight / weight2;  // as if all weighed alike (Kish 1965)
+  const double deviation = count > kParameters + 1 ? strained / (1 - kParameters / count) : rigid;
+  return leverage * deviation / fit.weight +
+         kAcross * kAcross * unseen.squaredNorm() * fit.motion.bottomRows<3>().squaredNorm();
+}
+
+/// How much of the difference between a vertex's own origin and a fit's is taken over.
+double correction_share(double difference2, double variance, double sigma) {
+  const double error2 = variance / 3;
   if (!(difference2 > error2)) return 0;
-  const double known = (kGuess - std::sqrt(fit.variance) / sigma) / (kGuess - kKnown);
+  const double known = (kGuess - std::sqrt(variance) / sigma) / (kGuess - kKnown);
   return std::clamp(known, 0.0, 1.0) * (1 - error2 / difference2);
 }
 
@@ -165,27 +183,30 @@ std::optional<Origin> OriginMap::at(const Vec3& x, Voters& voters) const {
   const auto heaviest = std::ranges::max_element(voters.sides, {}, &Side::weight);
   if (heaviest == voters.sides.end()) return std::nullopt;
   const int side = static_cast<int>(heaviest - voters.sides.begin());
-  return Origin{fitted_origin(x, voters.all, side, sigma_).origin, heaviest->source};
+  return Origin{x + fitted_origin(x, voters.all, side, sigma_).shift(), heaviest->source};
 }
 
 std::optional<Origin> OriginMap::at(const Vec3& x, const Origin& own, Voters& voters) const {
   find_sides(x, voters);
-  OriginFit nearest{Vec3::Constant(kInfinity), kInfinity};
-  int source = kUnknownSource;
-  double weight = 0, all = 0;
+  OriginFit nearest;
+  int nearest_side = -1;
+  double difference2 = kInfinity, all = 0;
   for (int side = 0; side < std::ssize(voters.sides); ++side) {
     const Side& here = voters.sides[side];
     all += here.weight;
     if (own.source != kUnknownSource && here.source != own.source) continue;
     const OriginFit fit = fitted_origin(x, voters.all, side, sigma_);
-    if (!((fit.origin - own.position).norm() < (nearest.origin - own.position).norm())) continue;
+    const double distance2 = (x + fit.shift() - own.position).squaredNorm();
+    if (!(distance2 < difference2)) continue;
     nearest = fit;
-    source = here.source;
-    weight = here.weight;
+    nearest_side = side;
+    difference2 = distance2;
   }
-  if (!(weight > kLeastShare * all)) return std::nullopt;
-  const double share = share_of_own_error(nearest, own.position, sigma_);
-  return Origin{own.position + share * (nearest.origin - own.position), source};
+  if (nearest_side < 0 || !(nearest.weight > kLeastShare * all)) return std::nullopt;
+  const double variance = variance_of(nearest, x, voters.all, nearest_side, sigma_);
+  const Vec3 correction = x + nearest.shift() - own.position;
+  return Origin{own.position + correction_share(difference2, variance, sigma_) * correction,
+                voters.sides[nearest_side].source};
 }
 
 void take_origins(const OriginMap& map, TriangleMesh& mesh) {

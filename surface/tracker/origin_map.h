@@ -50,10 +50,12 @@ class OriginMap {
   /// called from many threads, each with voters of its own.
   std::optional<Origin> at(const Vec3& x, Voters& voters) const;
   /// own and the side whose origin O is nearest to it, of those of own.source where that is known, taken
-  /// together: own + g (O - own). The variance of O is s^2 = h r^2 / max(1 - 4/n, 0.01), with r the weighted
-  /// RMS deviation of the side's particles from their fit, h the sum of the squared coefficients by which
-  /// their origins make O, and n = (sum w_i)^2 / sum w_i^2 their number; what the difference has beyond that
-  /// is own's error:
+  /// together: own + g (O - own). The variance of O = sum c_i (X_i - ...) is
+  ///   s^2 = sum c_i^2 r^2 / (1 - 4/n) + (3 |sum c_i (x_i - x)/sigma| |B|)^2,
+  /// with r the weighted RMS deviation of the side's particles from their fit and n = (sum w_i)^2 / sum
+  /// w_i^2, their number if all weighed alike; up to n = 5 the first term is sum c_i^2 r_0^2, with r_0 the
+  /// deviation from a rigid motion. The second one is for what particles in a plane leave open. What O - own
+  /// has beyond the error of O is own's:
   ///   g = max(0, 1 - (s^2/3)/|O - own|^2) min(max((0.4 sigma - s)/(0.2 sigma), 0), 1).
   /// The first factor is that of James & Stein 1961 in three dimensions; the second keeps own where O is a
   /// guess. nullopt where that side weighs less than a tenth of all.
@@ -73,8 +75,8 @@ class OriginMap {
 /// of itself. One out of the particles' reach keeps its own.
 void take_origins(const OriginMap& map, TriangleMesh& mesh);
 
-/// Each vertex takes its rest position from the side that it is of, and keeps source and side, so that seams
-/// stay where they are. One whose side is hardly there keeps its own.
+/// Each vertex corrects its rest position by the side that it is of, as far as the particles know, and keeps
+/// source and side, so that seams stay where they are. One whose side is hardly there keeps its own.
 void correct_origins(const OriginMap& map, TriangleMesh& mesh);
 
 }  // namespace kappaflow

@@ -95,8 +95,8 @@ class TrackedSurfaces {
 
   /// Gives every vertex of unknown source, or `anew` every vertex, that of the nearest particle. One entry a
   /// particle; source may be empty, and then nothing is known. Surfaces that have their textures from the
-  /// particles get both rest positions and sources from an OriginMap, those that are anchored to them the
-  /// rest positions of each vertex's own side.
+  /// particles get both rest positions and sources from an OriginMap; of those that are anchored to them it
+  /// corrects the rest positions.
   void find_sources(std::span<const int> source, bool anew = false);
 
   /// Registers an array over the vertices of all surfaces, see TriangleMesh::add_array(): edits of the meshes

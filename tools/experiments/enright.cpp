@@ -157,10 +157,10 @@ Contest make_contest(const EnrightOptions& options, const Field& field) {
     tracker.remeshing.turn = options.tracker.remeshing.turn * edge / options.edge_length;
     const TriangleMesh remeshed_start = initial_mesh(field, edge, tracker.projection);
     for (const std::string& method : options.remeshed_methods) contest.add(remeshed_start, method, tracker);
-    if (edge != options.edge_length) continue;
-    for (const std::string& method : options.anchored_methods)
-      contest.add(remeshed_start, method, tracker, true);
   }
+  tracker.remeshing.edge_length = options.edge_length;
+  tracker.remeshing.turn = options.tracker.remeshing.turn;
+  for (const std::string& method : options.anchored_methods) contest.add(start, method, tracker, true);
   return contest;
 }
 
@@ -182,6 +182,8 @@ std::vector<EnrightResult> track_all(const EnrightOptions& options, const Varian
     const Stopwatch watch;
     const auto motion = variant.motion(n * dt, n + 1 == options.steps ? kEndTime : (n + 1) * dt);
     make_fields(*motion, options.tracker.integrator);
+    std::optional<OriginMap> origins;
+    if (!options.anchored_methods.empty()) origins.emplace(variant.origins(motion->t1()));
     const double shared_seconds = watch.seconds();
     for (std::size_t m = 0; m < contest.trackers.size(); ++m) {
       SurfaceTracker& tracker = contest.trackers[m];
@@ -189,14 +191,13 @@ std::vector<EnrightResult> track_all(const EnrightOptions& options, const Varian
       const TrackerStep step = tracker.step(*motion);
       result.seconds += shared_seconds + step.velocity_seconds + step.fairing_seconds +
                         step.topology_seconds + step.remesh_seconds;
-      if (result.anchored)
-        result.seconds += seconds_of([&] { correct_origins(variant.origins(motion->t1()), tracker.mesh()); });
+      if (result.anchored) result.seconds += seconds_of([&] { correct_origins(*origins, tracker.mesh()); });
       const bool half = 2 * (n + 1) == options.steps, end = n + 1 == options.steps;
       if (!half && !end) continue;
       const auto field = motion->at(motion->t1());
       const TrackerStep settled = tracker.settle(*field);
       result.seconds += settled.topology_seconds + settled.remesh_seconds;
-      if (result.anchored) correct_origins(variant.origins(motion->t1()), tracker.mesh());
+      if (result.anchored) correct_origins(*origins, tracker.mesh());
       (half ? result.half : result.end) = measure(tracker, *field, half ? at_half : at_end);
     }
   }
@@ -275,6 +276,7 @@ std::unique_ptr<FieldMotion> exact_motion(double t0, double t1) {
 std::vector<EnrightResult> remeshed_in_enright(const ExperimentContext& context, bool on_particles) {
   EnrightOptions options = read_options(context, on_particles, context.options.quick);
   options.methods.clear();
+  options.anchored_methods.clear();
   options.remeshed = {options.edge_length};
   if (!on_particles) return track_all(options, {exact_motion}, context);
   EnrightParticles particles(options.spacing);

@@ -146,7 +146,7 @@ EnrightLine line_of(LevelSetScheme scheme, double spacing, int steps, const Enri
 
 EnrightLine line_of(const EnrightResult& result, const std::string& field) {
   const auto sample = [](const EnrightSample& s) { return sample_of(s.shape, s.volume); };
-  return {fmt::format("{}{}, {}", result.velocity, result.anchored ? ", anchored" : "", field),
+  return {fmt::format("{}, {}", result.velocity, field),
           fmt::format("edge {}", result.edge_length),
           result.start_volume,
           sample(result.half),

@@ -97,26 +97,27 @@ double volume_of_ovals(double c) {
 
 /// Whether a method follows the surface of a field that particles do not define, also where it splits.
 bool ovals_split(const char* method) {
-  constexpr double kEdgeLength = 0.05, kDuration = 0.4, kStep = 0.01;  // [m], [s]
+  constexpr double kEdgeLength = 0.05, kStep = 0.01;  // [m], [s]
+  constexpr int kSteps = 40;
   TrackerOptions options;
   options.method = velocity_method(method).evaluate;
   options.remeshing.edge_length = kEdgeLength;
   options.topology.follows_field = true;
-  const Ovals first(0), last(kDuration);
+  const Ovals first(0), last(kSteps * kStep);
   SurfaceTracker tracker(
       SurfaceTracker::settled(first, initial_mesh(first, kEdgeLength, options.projection), options), options);
   const auto pieces = [&] {
     return mesh_topology(tracker.mesh().position, tracker.mesh().triangles).components;
   };
   const int pieces_before = pieces();
-  for (int n = 0; n < 40; ++n) {
+  for (int n = 0; n < kSteps; ++n) {
     MovingOvals motion(n * kStep, (n + 1) * kStep);
     tracker.step(motion);
   }
-  tracker.settle(Ovals(40 * kStep));
+  tracker.settle(last);
   const TriangleMesh& mesh = tracker.mesh();
   const double volume = area_and_volume(mesh.position, mesh.triangles).volume;
-  const double exact = volume_of_ovals(Ovals::kFirst + Ovals::kSpeed * kDuration);
+  const double exact = volume_of_ovals(Ovals::kFirst + Ovals::kSpeed * last.time());
   std::printf("ovals by %s: pieces %d, %d; volume %.2f m3 of %.2f m3\n", method, pieces_before, pieces(),
               volume, exact);
   return pieces_before == 1 && pieces() == 2 && std::ranges::count(mesh.unprojected, 1) == 0 &&

@@ -165,6 +165,41 @@ TEST(OriginMap, WhatAVertexCarriedCountsByHowWellParticlesKnow) {
   EXPECT_NEAR(guessed.together, guessed.carried, 0.05 * guessed.carried);
 }
 
+// Lone particles say where they began; a few that have moved about each other, or a sheet that has been drawn
+// out, do not say it of what is beside them.
+TEST(OriginMap, FewParticlesAndSheetsAreGuessesUnlessTheyMoveAsOne) {
+  const Vec3 x(0.01, 0.02, 0.25 * kSigma), drift = Vec3(0.1, 0, 0.1) * kSigma;
+  OriginMap::Voters voters;
+  const auto correction = [&](const Particles& particles, const auto& origin) {
+    const OriginMap map(particles, mapped(particles.position, origin), {}, kSigma);
+    const Vec3 own = origin(x) + drift;
+    return (map.at(x, {own, kUnknownSource}, voters).value().position - own).norm();
+  };
+  const auto resting = [](const Vec3& y) -> Vec3 { return y; };
+  std::mt19937 random(11);
+  std::normal_distribution<double> normal(0, 0.4 * kSigma);
+  const auto noisy = [&](const Vec3& y) -> Vec3 {
+    return y + Vec3(normal(random), normal(random), normal(random));
+  };
+  const auto drawn_out = [](const Vec3& y) -> Vec3 { return Vec3(y.x() / 2, y.y() / 2, 4 * y.z()); };
+  const double whole = drift.norm();
+  for (const int few : {1, 2, 3, 4}) {
+    Particles drop;
+    for (int k = 0; k < few; ++k) {
+      drop.id.push_back(k);
+      drop.position.emplace_back(0.4 * kSigma * Vec3(k % 2, k / 2, k == 3));
+    }
+    EXPECT_NEAR(correction(drop, resting), whole, 1e-12) << few;
+    if (few > 1) {
+      EXPECT_LT(correction(drop, noisy), 0.5 * whole) << few;
+    }
+  }
+  Particles sheet = block(12);
+  for (Vec3& y : sheet.position) y.z() = 0;
+  EXPECT_NEAR(correction(sheet, resting), whole, 1e-12);
+  EXPECT_LT(correction(sheet, drawn_out), 0.1 * whole);
+}
+
 // Each particle within a link of the next, the last more than that from the first.
 TEST(OriginMap, LiquidThatWasDrawnOutIsOneSide) {
   const Particles particles = block(4);
