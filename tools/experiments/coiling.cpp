@@ -26,8 +26,8 @@ constexpr double kThreadLimit = 0.1;      // of the thread in the coil, relative
 
 const Claim kFrequency{
     "Ribe 2004", "A thread coils as often as a slender thread does.",
-    "Relative difference of the mean angular frequency, for the mean height of the mouth above "
-    "the place where the thread comes to rest; at the finest spacing."};
+    "Relative difference of the mean angular frequency, whichever way it turns, for the mean height of the "
+    "mouth above the place where the thread comes to rest; at the finest spacing."};
 const Claim kThreadRadius{"Ribe 2004", "It is as thick in the coil.",
                           "Relative difference of the radius, from the distances of the layers laid down."};
 
@@ -41,7 +41,7 @@ struct CoilingResult {
   const FallingRegime* regime;
   double spacing;
   std::size_t particles;
-  std::vector<Vec2> turned;  ///< (t, turns since the regime's `from`)
+  std::vector<Vec2> turned;  ///< (t, turns since the regime's `from`, whichever way)
   double frequency, height, thread_radius;
   SteadyCoil theory;
 
@@ -62,7 +62,7 @@ class CoilWatch {
     if (k < kLaid) return;
     const Vec3 axis = layers.center(middle);
     const double angle = std::atan2(axis.z(), axis.x());
-    if (!turned_.empty()) angle_ += std::remainder(angle - last_, 2 * std::numbers::pi);
+    if (!turned_.empty()) angle_ += std::abs(std::remainder(angle - last_, 2 * std::numbers::pi));
     last_ = angle;
     turned_.emplace_back(liquid.time(), angle_ / (2 * std::numbers::pi));
     rest_ += layers.center(k).y();
@@ -70,12 +70,8 @@ class CoilWatch {
       gap_ += (layers.center(laid + 1) - layers.center(laid)).norm() / kLaid;
   }
 
-  std::vector<Vec2> turned() const {
-    std::vector<Vec2> points;
-    for (const Vec2& p : turned_) points.emplace_back(p.x(), std::abs(p.y()));
-    return points;
-  }
-  double frequency() const { return std::abs(angle_) / (turned_.back().x() - turned_.front().x()); }
+  const std::vector<Vec2>& turned() const { return turned_; }
+  double frequency() const { return angle_ / (turned_.back().x() - turned_.front().x()); }
   double height() const { return emitter_.position.y() - rest_ / static_cast<double>(turned_.size()); }
   double gap() const { return gap_ / static_cast<double>(turned_.size()); }
 
@@ -87,7 +83,8 @@ class CoilWatch {
   Emitter emitter_;
   std::size_t layer_;
   std::vector<Vec2> turned_;
-  double angle_ = 0, last_ = 0, rest_ = 0, gap_ = 0;
+  double angle_ = 0;  // whichever way: a thread that something disturbs may turn round, and coils on as fast
+  double last_ = 0, rest_ = 0, gap_ = 0;
 };
 
 CoilingResult run_coiling(const Scene& scene, const FallingRegime& regime) {

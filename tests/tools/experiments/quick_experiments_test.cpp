@@ -321,7 +321,7 @@ TEST_F(QuickExperiment, ValidateFolding) {
   run("validate-folding");
   ASSERT_EQ(rows_.size(), 1u);  // the gravitational regime, three particles in the strip's thickness
   EXPECT_LT(std::abs(std::stod(rows_[0].at("frequency_error"))), 0.15);
-  EXPECT_LT(std::stod(rows_[0].at("out_of_plane")), 0.3);
+  EXPECT_LT(std::stod(rows_[0].at("out_of_plane")), 0.5);  // 0.28 to 0.35, by compiler; of a coil it is 1
 }
 
 TEST_F(QuickExperiment, LevelSets) {
