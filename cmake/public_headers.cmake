@@ -4,10 +4,10 @@ set(KAPPAFLOW_PUBLIC_HEADERS
     core/body_motion.h core/bytes.h core/cell_grid.h core/connectivity.h core/errors.h core/named.h
     core/nearest_on_triangle.h core/parallel.h core/particles.h core/solid_distance.h core/solid_wall.h core/solids.h
     core/triangle_tree.h core/types.h core/whole_within.h
-    surface/field/field.h surface/field/jet.h surface/field/particle_field.h surface/field/particle_motion.h
+    surface/field/distance_field.h surface/field/field.h surface/field/grid_spline.h surface/field/jet.h surface/field/particle_field.h surface/field/particle_motion.h
     surface/field/particle_weights.h surface/field/projection.h surface/field/taylor.h surface/field/taylor_terms.h
     surface/field/time_integrator.h
-    surface/mesh/isosurface.h surface/mesh/mesh_measures.h surface/mesh/triangle_mesh.h surface/mesh/vertex_arrays.h
+    surface/mesh/isosurface.h surface/mesh/mesh_distances.h surface/mesh/mesh_measures.h surface/mesh/triangle_mesh.h surface/mesh/vertex_arrays.h
     surface/mesh/vertex_history.h
     surface/motion/material.h surface/motion/normal.h surface/motion/pointwise.h surface/motion/regional.h
     surface/motion/velocity.h surface/motion/velocity_methods.h
@@ -16,7 +16,7 @@ set(KAPPAFLOW_PUBLIC_HEADERS
     surface/measure/surface_motion.h surface/measure/surface_state.h surface/measure/texture.h
     surface/tracker/fairing_options.h surface/tracker/fresh_surface.h surface/tracker/particle_origins.h
     surface/tracker/rest_grid.h
-    surface/tracker/rest_pair.h surface/tracker/surface_methods.h surface/tracker/surface_tracker.h
+    surface/tracker/rest_pair.h surface/tracker/surface_group.h surface/tracker/surface_methods.h surface/tracker/surface_options.h surface/tracker/surface_tracker.h
     surface/tracker/tracked_surfaces.h surface/tracker/tracker_options.h
     solver/emitter.h solver/fluid_solver.h solver/options.h
     scenes/estimate.h scenes/prepared_scene.h scenes/scene.h scenes/view.h

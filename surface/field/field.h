@@ -78,6 +78,8 @@ class FieldMotion {
   virtual double t1() const = 0;  ///< end of the step [s]
   /// The field at time t in [t0, t1]. Several trackers that ask for the same t share one field.
   virtual std::shared_ptr<const Field> at(double t) = 0;
+  /// Nobody asks for fields at times before t any more: a motion that keeps them may let go of them.
+  virtual void forget_before(double /*t*/) {}
 };
 
 }  // namespace kappaflow

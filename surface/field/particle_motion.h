@@ -32,8 +32,7 @@ class ParticleMotion final : public FieldMotion {
   /// Builds the field at its first use and keeps it as long as the motion lives. Throws InvalidInput outside
   /// [t0, t1].
   std::shared_ptr<const Field> at(double t) override;
-  /// Lets go of fields at times before t.
-  void forget_before(double t);
+  void forget_before(double t) override;
 
  private:
   /// A particle at both ends of the step.

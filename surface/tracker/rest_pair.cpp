@@ -13,7 +13,7 @@ constexpr const char* kWeight = "rest_2_weight";
 
 }  // namespace
 
-RestPair::RestPair(TrackedSurfaces& surfaces, int interval) : interval_(interval) {
+RestPair::RestPair(SurfaceGroup& surfaces, int interval) : interval_(interval) {
   // A vertex that comes from nowhere between two frames is given its place in the next one.
   const Vec3 unknown = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
   for (const char* name : kNames) surfaces.add_array(name, Carry::interpolate, unknown);
@@ -21,7 +21,7 @@ RestPair::RestPair(TrackedSurfaces& surfaces, int interval) : interval_(interval
   for (const int which : {0, 1}) reset(surfaces, which);
 }
 
-void RestPair::update(TrackedSurfaces& surfaces, int frame) {
+void RestPair::update(SurfaceGroup& surfaces, int frame) {
   if (frame % interval_ == 0) reset(surfaces, frame / interval_ % 2);
   const double phase = static_cast<double>(frame % (2 * interval_)) / interval_;
   for (std::size_t m = 0; m < surfaces.count(); ++m) {
@@ -34,7 +34,7 @@ void RestPair::update(TrackedSurfaces& surfaces, int frame) {
   }
 }
 
-void RestPair::reset(TrackedSurfaces& surfaces, int which) {
+void RestPair::reset(SurfaceGroup& surfaces, int which) {
   for (std::size_t m = 0; m < surfaces.count(); ++m)
     std::ranges::copy(surfaces.mesh(m).position, surfaces.array<Vec3>(kNames[which], m).begin());
   box_[which] = bounding_box(surfaces.mesh().position);

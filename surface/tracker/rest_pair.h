@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "surface/tracker/tracked_surfaces.h"
+#include "surface/tracker/surface_group.h"
 
 namespace kappaflow {
 
@@ -18,10 +18,10 @@ namespace kappaflow {
 class RestPair {
  public:
   /// In frame 0. interval: frames from a reset to the next, which is the other's, >= 1.
-  RestPair(TrackedSurfaces& surfaces, int interval);
+  RestPair(SurfaceGroup& surfaces, int interval);
 
   /// To be called in every frame from the first on, when its surfaces are settled.
-  void update(TrackedSurfaces& surfaces, int frame);
+  void update(SurfaceGroup& surfaces, int frame);
 
   /// The mesh's bounding box when rest_1 (0) or rest_2 (1) was reset last: for texture_coordinates().
   const Bounds& box(int which) const { return box_[which]; }
@@ -34,7 +34,7 @@ class RestPair {
   }
 
  private:
-  void reset(TrackedSurfaces& surfaces, int which);
+  void reset(SurfaceGroup& surfaces, int which);
 
   int interval_;
   std::array<Bounds, 2> box_;

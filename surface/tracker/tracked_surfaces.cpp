@@ -12,9 +12,6 @@
 #include "core/stopwatch.h"
 #include "core/whole_within.h"
 #include "surface/measure/surface_motion.h"
-#include "surface/motion/material.h"
-#include "surface/motion/regional.h"
-#include "surface/remesh/initial_mesh.h"
 #include "surface/tracker/origin_map.h"
 
 namespace kappaflow {
@@ -23,14 +20,10 @@ namespace {
 constexpr double kShareOfFast = 0.999;  // a few that fly off do not set the number of steps
 constexpr int kMostSteps = 1000000;     // from one instant to the next
 
-/// What a surface moves with, as far as particles tell, where no method says it.
-VelocityFunction default_velocity(const SurfaceOptions& options) {
-  return options.is_cloud ? evaluate_regional : evaluate_material;
-}
-
-std::vector<SurfaceMethod> methods_of(const SurfaceOptions& options) {
-  if (!options.velocities.empty()) return options.velocities;
-  return {default_velocity(options)};
+/// Particles without velocities say nothing about how fast their surface may be: it is what the motion of a
+/// cloud allows.
+double cloud_speed(bool is_cloud, double sigma, double t0, double t1) {
+  return is_cloud ? kLargestCloudMotion * sigma / (t1 - t0) : 0;
 }
 
 /// 1 for each surface whose textures the particles give, or correct.
@@ -81,68 +74,40 @@ double fast_speed(const Particles& particles) {
 }
 
 TrackedSurfaces::TrackedSurfaces(Particles first, const SurfaceOptions& options)
-    : TrackedSurfaces(std::move(first), nullptr, options) {}
+    : TrackedSurfaces(std::move(first), start_of(first, nullptr, options), options) {}
 
 TrackedSurfaces::TrackedSurfaces(Particles first, const Particles& next, const SurfaceOptions& options)
-    : TrackedSurfaces(std::move(first), &next, options) {}
+    : TrackedSurfaces(std::move(first), start_of(first, &next, options), options) {}
 
-TrackedSurfaces::TrackedSurfaces(Particles first, const Particles* next, const SurfaceOptions& options)
-    : particles_(std::move(first)),
-      field_options_(kappaflow::field_options(options, particles_.position, particles_.scale)),
+TrackedSurfaces::Start TrackedSurfaces::start_of(const Particles& first, const Particles* next,
+                                                 const SurfaceOptions& options) {
+  Start start{kappaflow::field_options(options, first.position, first.scale), nullptr};
+  if (next == nullptr) {
+    start.field = particle_field(first, start.options);
+  } else {
+    ParticleFieldOptions moving = start.options;
+    moving.cloud_speed = cloud_speed(options.is_cloud, moving.sigma, first.time, next->time);
+    start.field = ParticleMotion(first, *next, moving).at(first.time);
+  }
+  return start;
+}
+
+TrackedSurfaces::TrackedSurfaces(Particles&& first, Start start, const SurfaceOptions& options)
+    : SurfaceGroup(std::move(start.field), start.options.sigma, options),
+      particles_(std::move(first)),
+      field_options_(start.options),
       is_cloud_(options.is_cloud),
       motion_per_step_(options.motion_per_step),
       name_(options.name),
-      field_(next ? motion_to(*next).at(particles_.time) : particle_field(particles_, field_options_)),
-      report_(methods_of(options).size()),
-      surfaces_(make_surfaces(*field_, field_options_.sigma, options, report_[0])),
-      from_particles_(kappaflow::from_particles(options)),
-      first_mesh_seconds_(report_[0].topology_seconds + report_[0].remesh_seconds) {
+      from_particles_(kappaflow::from_particles(options)) {
   if (std::ranges::count(from_particles_, 1) == 0) return;
   if (is_cloud_)
     throw InvalidInput(fmt::format("{}: textures from particles take particles with ids", name_));
   origins_.emplace().see(particles_);
 }
 
-/// first_mesh: what making it took.
-std::vector<TrackedSurfaces::Surface> TrackedSurfaces::make_surfaces(const Field& field, double sigma,
-                                                                     const SurfaceOptions& surface,
-                                                                     TrackerStep& first_mesh) {
-  const double edge_length = surface.edge_length * sigma;
-  TriangleMesh mesh;
-  const double seconds =
-      seconds_of([&] { mesh = initial_mesh(field, edge_length, surface.tracker.projection); });
-  if (mesh.triangles.empty())
-    throw InvalidInput(
-        fmt::format("{}: the surface is empty: Eq. 12 stays below the threshold everywhere", surface.name));
-  TrackerOptions options = surface.tracker;
-  options.remeshing.edge_length = surface.remesh ? edge_length : 0;
-  options.topology.follows_field = surface.topology;
-  TrackerStep settling;
-  mesh = SurfaceTracker::settled(field, std::move(mesh), options, &settling);
-  first_mesh.topology_seconds = settling.topology_seconds;
-  first_mesh.remesh_seconds = seconds + settling.remesh_seconds;
-  std::vector<Surface> surfaces;
-  for (const SurfaceMethod& method : methods_of(surface)) {
-    if (const auto* velocity = std::get_if<VelocityFunction>(&method)) {
-      options.method = *velocity;
-      surfaces.emplace_back(SurfaceTracker(mesh, options));
-    } else {
-      const bool has_grid = std::get<FreshMesh>(method) == FreshMesh::grid;
-      if (has_grid && surface.is_cloud)
-        throw InvalidInput(
-            fmt::format("{}: textures on a grid take particles with velocities", surface.name));
-      surfaces.emplace_back(
-          FreshSurface(mesh, edge_length, default_velocity(surface), options.velocity,
-                       has_grid ? std::optional(RestGrid(field, edge_length)) : std::nullopt));
-    }
-  }
-  return surfaces;
-}
-
-/// Particles without velocities say nothing about how fast their surface may be: it is what the motion of a
-/// cloud allows.
 double TrackedSurfaces::cloud_speed_to(const Particles& next) const {
-  return is_cloud_ ? kLargestCloudMotion * field_options_.sigma / (next.time - particles_.time) : 0;
+  return cloud_speed(is_cloud_, field_options_.sigma, particles_.time, next.time);
 }
 
 ParticleMotion TrackedSurfaces::motion_to(const Particles& next) const {
@@ -165,50 +130,20 @@ int TrackedSurfaces::steps_to(const Particles& next) const {
 
 bool TrackedSurfaces::step(Particles next, const Watch& watch) {
   ParticleMotion motion = motion_to(next);
-  const int steps = steps_to(next);
-  const double t0 = motion.t0(), dt = (motion.t1() - t0) / steps;
-  double time = t0;
-  for (int s = 1; s <= steps; ++s) {
-    const double end = s == steps ? motion.t1() : t0 + s * dt;
-    MotionPart part(motion, time, end);
-    step_surfaces(part);
-    if (watch && !watch(part) && s < steps) return false;
-    motion.forget_before(end);
-    time = end;
-  }
+  if (!step_through(motion, steps_to(next), watch)) return false;
   particles_ = std::move(next);
   if (origins_) origins_->see(particles_);
   return true;
 }
 
-void TrackedSurfaces::step_surfaces(FieldMotion& motion) {
-  for (std::size_t m = 0; m < surfaces_.size(); ++m)
-    report_[m] += std::visit([&](auto& surface) { return surface.step(motion); }, surfaces_[m]);
-  field_ = motion.at(motion.t1());
-}
-
 void TrackedSurfaces::settle(std::span<const int> source, bool anew) {
-  for (std::size_t m = 0; m < surfaces_.size(); ++m)
-    report_[m] += std::visit([&](auto& surface) { return surface.settle(*field_); }, surfaces_[m]);
+  settle_surfaces();
   find_sources(source, anew);
 }
 
 void TrackedSurfaces::advance(Particles next, std::span<const int> source) {
   step(std::move(next));
   settle(source);
-}
-
-TriangleMesh& TrackedSurfaces::mesh_of(Surface& surface) {
-  return std::visit([](auto& followed) -> TriangleMesh& { return followed.mesh(); }, surface);
-}
-
-const TriangleMesh& TrackedSurfaces::mesh(std::size_t surface) const {
-  return std::visit([](const auto& followed) -> const TriangleMesh& { return followed.mesh(); },
-                    surfaces_[surface]);
-}
-
-SurfaceState TrackedSurfaces::state(std::size_t surface) const {
-  return std::visit([&](const auto& followed) { return followed.state(*field_); }, surfaces_[surface]);
 }
 
 void TrackedSurfaces::find_sources(std::span<const int> source, bool anew) {
@@ -226,10 +161,6 @@ void TrackedSurfaces::take_origins(std::span<const int> source) {
     report_[m].texture_seconds += seconds_of(
         [&] { (is_fresh ? kappaflow::take_origins : correct_origins)(map, mesh_of(surfaces_[m])); });
   }
-}
-
-std::vector<TrackerStep> TrackedSurfaces::take_report() {
-  return std::exchange(report_, std::vector<TrackerStep>(surfaces_.size()));
 }
 
 }  // namespace kappaflow

@@ -36,7 +36,7 @@ def test_the_family_of_errors():
     (lambda: kappaflow.Field(ball()).velocities([[0, 0, 0]], 7), "7 is no velocity method; it takes a name or a function"),
     (lambda: kappaflow.Field(ball()).velocities([[0, 0, 0]], "total", triangles=[[0, 0, 4]]),
      "triangles: vertices 0 to 4; 0 to 0 are there"),
-    (lambda: kappaflow.Tracker(*moving(), threshold=1e6), "the surface is empty: Eq. 12 stays below the threshold"),
+    (lambda: kappaflow.Tracker(*moving(), threshold=1e6), "the surface is empty: the field stays below its threshold"),
     (lambda: kappaflow.Tracker(*moving(), ids=np.zeros(len(ball()), int)), "ids"),
     (lambda: kappaflow.Tracker(*moving(), ids=np.linspace(0, 1, len(ball()))), r"ids: no array of int64; one of shape \(\d+,\)"),
     (lambda: kappaflow.Tracker(*moving(), sources=np.full(len(ball()), 2**31)), "sources: a number does not fit into int32"),

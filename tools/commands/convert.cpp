@@ -40,7 +40,8 @@ ExportSettings settings_for(const ConvertOptions& options, const RunFrames& run)
                           .texture = {bounding_box(first.rest), run.projection()},
                           .origin = far_origin(first.position),
                           .walls_at_start = run.walls(0),
-                          .walls_move = run.walls_move()};
+                          .walls_move = run.walls_move(),
+                          .has_particles = run.has_particles()};
   if (settings.formats.empty()) settings.formats = {MeshFormat::usd};
   return settings;
 }
@@ -48,7 +49,7 @@ ExportSettings settings_for(const ConvertOptions& options, const RunFrames& run)
 void convert_frame(const RunFrames& run, int frame, const FrameExport& files) {
   for (const std::string& method : run.methods())
     files.write_surface(frame, method, *run.surface(method, frame));
-  files.write_particles(frame, *read_surface(run.folder() / particle_file(frame)));
+  if (run.has_particles()) files.write_particles(frame, *read_surface(run.folder() / particle_file(frame)));
   if (run.walls_move()) files.write_walls(frame, *run.walls(frame));
   files.finish_frame(frame);
 }
@@ -76,7 +77,8 @@ std::string outcome(const fs::path& out, const ExportSettings& settings, int fra
                                 fs::path(first).replace_extension(name_of(kMeshFormats, format)).string());
     }
   if (std::ranges::count(settings.formats, MeshFormat::usd) > 0)
-    text += fmt::format("  {} (with particles and walls)\n", (out / "run.usda").string());
+    text += fmt::format("  {} ({})\n", (out / "run.usda").string(),
+                        settings.has_particles ? "with particles and walls" : "all of them");
   return text;
 }
 

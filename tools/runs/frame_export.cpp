@@ -87,7 +87,7 @@ void FrameExport::finish_frame(int frame) const {
 void FrameExport::write_common_files() const {
   for (const std::string& method : settings_.methods)
     write_(surface_series(method, 1).manifest, usd_surface_manifest());
-  write_(particle_series(1).manifest, usd_particles_manifest());
+  if (settings_.has_particles) write_(particle_series(1).manifest, usd_particles_manifest());
   if (walls_.empty()) return;
   write_(kWallMeshes, usd_wall_meshes(stage_, walls_, settings_.walls_move));
   if (settings_.walls_move) write_(wall_series(1).manifest, usd_walls_manifest(walls_.size()));
@@ -103,7 +103,8 @@ void FrameExport::write_roots(int frames) const {
     const UsdPrim surface = surface_series(method, frames);
     add(surface, usd_surface_root(stage_, surface));
   }
-  add(particle_series(frames), usd_particles_root(stage_, particle_series(frames)));
+  if (settings_.has_particles)
+    add(particle_series(frames), usd_particles_root(stage_, particle_series(frames)));
   if (!walls_.empty())
     add(wall_series(frames), usd_walls_root(stage_, wall_series(frames), kWallMeshes, settings_.walls_move));
   write_("run.usda", usd_header(stage_, frames, roots) + usd_world(stage_, ""));

@@ -24,6 +24,7 @@ struct ExportSettings {
   Vec3 origin = Vec3::Zero();                     ///< far_origin() of the first mesh
   vtkSmartPointer<vtkPolyData> walls_at_start{};  ///< as boundary_data() has them; null: there are none
   bool walls_move = false;
+  bool has_particles = true;
 };
 
 /// Turns the data of a run's own files into the contents of the others. Of a USD scene every frame has its

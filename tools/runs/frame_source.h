@@ -1,4 +1,4 @@
-// Where the frames of a run come from: particles in motion with tracked surfaces on them.
+// Where the frames of a run come from: particles or another field in motion, with tracked surfaces on it.
 #pragma once
 
 #include <filesystem>
@@ -10,7 +10,7 @@
 #include "core/saved_state.h"
 #include "core/solids.h"
 #include "surface/measure/material_tracers.h"
-#include "surface/tracker/tracked_surfaces.h"
+#include "surface/tracker/surface_group.h"
 #include "tools/io/particle_frame.h"
 #include "tools/runs/metrics.h"
 
@@ -18,7 +18,7 @@ namespace kappaflow {
 
 /// What there is to write of a frame beside its surfaces, and what happened since the frame before.
 struct FrameReport {
-  ParticleFrame particles;
+  ParticleFrame particles;             ///< empty where there are none
   FrameMetrics metrics;                ///< without the isosurface
   std::vector<TriangleSurface> walls;  ///< where they are in this frame; empty where they never move
   std::vector<TrackerStep> steps;      ///< of each surface
@@ -26,7 +26,7 @@ struct FrameReport {
   double tracer_seconds = 0;           ///< likewise
 };
 
-/// A simulation, or the files of another program's. Frame 0 is there from the start.
+/// A simulation, or the files of another program. Frame 0 is there from the start.
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
@@ -46,8 +46,10 @@ class FrameSource {
 
   virtual double time() const = 0;        ///< that is reached [s]
   virtual std::size_t steps() const = 0;  ///< so far
-  virtual const TrackedSurfaces& surfaces() const = 0;
-  virtual TrackedSurfaces& surfaces() = 0;  ///< for whoever gives them arrays
+  virtual const SurfaceGroup& surfaces() const = 0;
+  virtual SurfaceGroup& surfaces() = 0;  ///< for whoever gives them arrays
+  /// How particles become the surfaces' field; null where it is not of particles.
+  virtual const ParticleFieldOptions* particle_field() const = 0;
   virtual const MaterialTracers& tracers() const = 0;
   virtual std::vector<TriangleSurface> walls_at_start() const { return {}; }
   virtual bool walls_move() const { return false; }  ///< at some time

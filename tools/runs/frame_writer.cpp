@@ -34,7 +34,8 @@ ExportSettings export_settings(const FrameSource& source, const OutputDescriptio
                           .up = output.view.up,
                           .texture = {bounding_box(mesh.rest_position), output.texture},
                           .origin = far_origin(mesh.position),
-                          .walls_move = source.walls_move()};
+                          .walls_move = source.walls_move(),
+                          .has_particles = source.particle_field() != nullptr};
   std::vector<double> times;
   for (int frame = 0; frame <= source.last_frame(); ++frame) times.push_back(source.time_of(frame));
   settings.frames_per_second = real_time_rate(times);
@@ -63,7 +64,7 @@ FrameWriter::FrameWriter(FrameSource& source, const OutputDescription& output,
   first_ = {static_cast<std::int64_t>(mesh.vertex_count()), mesh.vertex_count()};
   initial_box_ = bounding_box(mesh.rest_position);
   checker_ = checker_beside(mesh.position, field_normals(surfaces_.field(), mesh.position),
-                            output.checker_size * surfaces_.field_options().sigma);
+                            output.checker_size * surfaces_.length_scale());
   if (output.rest_interval > 0) rest_pair_.emplace(source.surfaces(), output.rest_interval);
   last_frame_.assign(methods_.size(), {mesh.next_id, mesh.vertex_count()});
   traced_.resize(methods_.size());
@@ -80,11 +81,11 @@ void FrameWriter::write(int frame, FrameSource& source, RunSummary& summary) {
   FrameMetrics& metrics = report.metrics;
   std::optional<FreshIsosurface> isosurface;
   if (is_judged(frame)) {
-    isosurface = fresh_isosurface(surfaces_.field(), surfaces_.field_options().sigma);
+    isosurface = fresh_isosurface(surfaces_.field(), surfaces_.length_scale());
     metrics.isosurface = isosurface->metrics;
   }
-  metrics.particles_outside = points_outside(surfaces_.field(), report.particles.particles.position);
-  write_liquid(report);
+  write_walls(report);
+  if (const ParticleFieldOptions* field = source.particle_field()) write_particles(report, *field);
   const double shared_seconds = watch.seconds();
 
   const double memory = resident_memory();
@@ -109,14 +110,16 @@ void FrameWriter::write(int frame, FrameSource& source, RunSummary& summary) {
   summary.add_frame(metrics, report.tracer_seconds, shared_seconds);
 }
 
-void FrameWriter::write_liquid(const FrameReport& report) {
+void FrameWriter::write_walls(const FrameReport& report) {
+  if (report.walls.empty()) return;
   const int frame = report.metrics.frame;
-  const ParticleFieldOptions& field = surfaces_.field_options();
-  if (!report.walls.empty()) {
-    const auto walls = boundary_data(report.walls);
-    folder_.write_boundary(frame, walls);
-    folder_.beside([to = export_, frame, walls] { to->write_walls(frame, *walls); });
-  }
+  const auto walls = boundary_data(report.walls);
+  folder_.write_boundary(frame, walls);
+  folder_.beside([to = export_, frame, walls] { to->write_walls(frame, *walls); });
+}
+
+void FrameWriter::write_particles(const FrameReport& report, const ParticleFieldOptions& field) {
+  const int frame = report.metrics.frame;
   const Particles& particles = report.particles.particles;
   const std::vector<double> weight =
       field_weights(particles.position, field.sigma, field.weights, particles.scale);
@@ -149,7 +152,7 @@ SurfaceMetrics FrameWriter::write_surface(const FrameMetrics& frame, std::size_t
 
 /// The flicker of a judged frame takes the texture of the frame before it too.
 void FrameWriter::measure_texture(int frame, std::size_t m, SurfaceMetrics& metrics) {
-  const double sigma = surfaces_.field_options().sigma;
+  const double sigma = surfaces_.length_scale();
   const TracedTexture before = std::exchange(traced_[m], {});
   if (is_judged(frame) || is_judged(frame + 1))
     traced_[m] = traced_texture(surfaces_.mesh(m), tracers_, sigma);

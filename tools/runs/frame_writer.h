@@ -49,7 +49,8 @@ class FrameWriter {
   };
   static double kept_share(const TriangleMesh& mesh, const Earlier& earlier);
 
-  void write_liquid(const FrameReport& report);
+  void write_walls(const FrameReport& report);
+  void write_particles(const FrameReport& report, const ParticleFieldOptions& field);
   SurfaceMetrics write_surface(const FrameMetrics& frame, std::size_t m, const TrackerStep& since_frame);
   bool is_judged(int frame) const;
   void measure_texture(int frame, std::size_t m, SurfaceMetrics& metrics);
@@ -59,7 +60,7 @@ class FrameWriter {
 
   const OutputDescription& output_;
   std::vector<std::string> methods_;
-  const TrackedSurfaces& surfaces_;
+  const SurfaceGroup& surfaces_;
   const MaterialTracers& tracers_;
   int last_;  // the last frame
   RunFolder& folder_;

@@ -8,6 +8,16 @@
 #include "tools/runs/progress.h"
 
 namespace kappaflow {
+namespace {
+
+/// What the surfaces are of, for the summary.
+std::string field_text(const FrameSource& source) {
+  if (const ParticleFieldOptions* field = source.particle_field())
+    return fmt::format("threshold {:.6g}, sigma {:.4g} m", field->threshold, field->sigma);
+  return fmt::format("length scale {:.4g} m", source.surfaces().length_scale());
+}
+
+}  // namespace
 
 RunDriver::RunDriver(FrameSource& source, RunFolder& folder, RunSettings settings, const Stopwatch& watch)
     : source_(source),
@@ -51,7 +61,7 @@ RunSummary RunDriver::advance(const InterruptGuard& guard) {
   summary_.wall_seconds = watch_.seconds();
   summary_.interrupted_by = guard.signal();
   summary_.interrupted_at = source_.time();
-  summary_.text = summary_text(summary_, settings_.title, source_.surfaces().field_options(), folder_.path());
+  summary_.text = summary_text(summary_, settings_.title, field_text(source_), folder_.path());
   return std::move(summary_);
 }
 

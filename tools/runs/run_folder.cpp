@@ -139,7 +139,6 @@ RunFolder::RunFolder(fs::path folder, std::vector<std::string> methods, bool for
       lock_(folder_),
       place_(place_to_begin(folder_, force)),
       methods_(std::move(methods)) {
-  make_folder(place_ / "particles");
   for (const std::string& method : methods_) make_folder(place_ / ("surface-" + method));
   const std::array headers{metrics_header(), pieces_header(), timings_header()};
   for (std::size_t t = 0; t < kTables.size(); ++t) write_now(place_ / kTables[t], headers[t]);
@@ -226,6 +225,7 @@ void RunFolder::write_boundary(int frame, vtkSmartPointer<vtkPolyData> data) {
 }
 
 void RunFolder::write_particles(int frame, vtkSmartPointer<vtkPolyData> data) {
+  if (!std::exchange(has_particles_, true)) make_folder(place_ / "particles");
   write_data(particle_file(frame), std::move(data));
 }
 
@@ -281,7 +281,8 @@ void RunFolder::cut_tables() const {
 void RunFolder::write_collections() {
   // A collection for all parts, and one for each of them.
   std::vector<PvdEntry> all;
-  std::vector<std::vector<PvdEntry>> series(1 + methods_.size() + (boundary_moves_ ? 1 : 0));
+  std::vector<std::vector<PvdEntry>> series((has_particles_ ? 1 : 0) + methods_.size() +
+                                            (boundary_moves_ ? 1 : 0));
   for (std::size_t frame = 0; frame < times_.size(); ++frame) {
     const int number = static_cast<int>(frame);
     int part = 0;
@@ -290,7 +291,7 @@ void RunFolder::write_collections() {
       if (file != kBoundaryFile) series[part].push_back({times_[frame], 0, name, file});
       ++part;
     };
-    add("particles", particle_file(number));
+    if (has_particles_) add("particles", particle_file(number));
     for (const std::string& method : methods_) add("surface-" + method, surface_file(method, number));
     if (has_boundary_) add("boundary", boundary_moves_ ? boundary_file(number) : kBoundaryFile);
   }

@@ -105,6 +105,7 @@ class RunFolder {
   std::vector<double> times_;                   // of the finished frames [s]
   std::array<std::uint64_t, 3> table_lines_{};  // of metrics, pieces and timings
   bool has_boundary_ = false, boundary_moves_ = false;
+  bool has_particles_ = false;               // in the frame that is being written
   std::set<std::filesystem::path> written_;  // since the last flush; of the work beside
   std::vector<std::function<void()>> work_;  // that waits for the end of the frame
   std::shared_future<void> last_work_;       // each frame's waits for that of the one before it

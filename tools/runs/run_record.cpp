@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <variant>
 
 #include "core/errors.h"
@@ -52,7 +53,8 @@ Json::Value scene_record(const Scene& scene) {
 
 /// What every record says: the program, how it was called, and how surfaces are defined and tracked.
 Json::Value common_record(const std::vector<std::string>& command, int threads,
-                          const SurfaceDescription& surface, const ParticleFieldOptions& field) {
+                          const SurfaceDescription& surface, double sigma,
+                          std::optional<double> threshold) {
   Json::Value record;
   record["version"] = kVersion;
   record["build"] = build_description();
@@ -62,9 +64,11 @@ Json::Value common_record(const std::vector<std::string>& command, int threads,
   record["threads"] = threads;
   record["methods"] = list(surface.methods);
   record["anchor"] = std::string(name_of(kAnchors, surface.anchor));
-  record["sigma"] = field.sigma;
-  record["threshold"] = field.threshold;
-  record["threshold_rule"] = surface.threshold ? "number" : "auto";
+  record["sigma"] = sigma;
+  if (threshold) {
+    record["threshold"] = *threshold;
+    record["threshold_rule"] = surface.threshold ? "number" : "auto";
+  }
   return record;
 }
 
@@ -107,8 +111,9 @@ std::string build_description() {
 }
 
 std::string run_record(const RunOptions& options, const Scene& scene, const SceneFrames& frames) {
+  const ParticleFieldOptions& field = frames.surfaces().field_options();
   Json::Value record =
-      common_record(options.command, options.threads, scene.surface, frames.surfaces().field_options());
+      common_record(options.command, options.threads, scene.surface, field.sigma, field.threshold);
   record["options"] = options_record(options);
   record["scene"] = scene_record(scene);
   record["particles"] = Json::UInt64{frames.surfaces().particles().size()};
@@ -144,17 +149,17 @@ std::string resumed_record(const std::filesystem::path& folder, const std::vecto
   return record_text(record);
 }
 
-std::string track_record(const TrackOptions& options, const ParticleSequence& sequence,
-                         const SurfaceDescription& surface, const ParticleFieldOptions& field) {
-  Json::Value record = common_record(options.command, options.threads, surface, field);
+std::string track_record(const TrackOptions& options, const TrackInput& tracked) {
+  Json::Value record = common_record(options.command, options.threads, tracked.surface(),
+                                     tracked.length_scale(), tracked.threshold());
   Json::Value& input = record["sequence"];
-  input["name"] = sequence.name();
-  input["first"] = sequence.file(0).string();
-  input["last"] = sequence.file(sequence.size() - 1).string();
-  input["files"] = Json::UInt64{sequence.size()};
-  input["hash"] = sequence.hash();
-  input["notes"] = list(sequence.notes());
-  record["duration"] = sequence.time(sequence.size() - 1) - sequence.time(0);
+  input["name"] = tracked.name();
+  input["first"] = tracked.series().files.front().string();
+  input["last"] = tracked.series().files.back().string();
+  input["files"] = Json::UInt64{tracked.size()};
+  input["hash"] = tracked.hash();
+  input["notes"] = list(tracked.notes());
+  record["duration"] = tracked.time(tracked.size() - 1) - tracked.time(0);
   record["texture"] = std::string(name_of(kTextureProjections, options.texture));
   record["frames_per_second"] =
       options.frames_per_second ? Json::Value(*options.frames_per_second) : Json::Value();

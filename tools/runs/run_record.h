@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "scenes/scene.h"
-#include "tools/io/particle_sequence.h"
 #include "tools/runs/run.h"
 #include "tools/runs/scene_frames.h"
 #include "tools/runs/track.h"
+#include "tools/runs/track_input.h"
 
 namespace kappaflow {
 
@@ -26,9 +26,8 @@ Json::Value read_record(const std::filesystem::path& folder);
 std::string resumed_record(const std::filesystem::path& folder, const std::vector<std::string>& command,
                            int threads, double time);
 
-/// The same of tracked particles: the files, what is known about them, and the numbers that were derived.
-std::string track_record(const TrackOptions& options, const ParticleSequence& sequence,
-                         const SurfaceDescription& surface, const ParticleFieldOptions& field);
+/// The same of tracked files: which, what is known about them, and the numbers that were derived.
+std::string track_record(const TrackOptions& options, const TrackInput& tracked);
 
 /// Date and time (UTC), as records and reports have them.
 std::string time_now();

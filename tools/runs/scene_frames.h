@@ -23,6 +23,7 @@ class SceneFrames : public FrameSource {
   std::size_t steps() const override { return simulation_.fluid().steps(); }
   const TrackedSurfaces& surfaces() const override { return simulation_.surfaces(); }
   TrackedSurfaces& surfaces() override { return simulation_.surfaces(); }
+  const ParticleFieldOptions* particle_field() const override { return &surfaces().field_options(); }
   const MaterialTracers& tracers() const override { return simulation_.tracers(); }
   std::vector<TriangleSurface> walls_at_start() const override;
   bool walls_move() const override { return any_moves(simulation_.walls()); }

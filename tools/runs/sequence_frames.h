@@ -21,6 +21,7 @@ class SequenceFrames final : public FrameSource {
   std::size_t steps() const override { return steps_; }
   const TrackedSurfaces& surfaces() const override { return surfaces_; }
   TrackedSurfaces& surfaces() override { return surfaces_; }
+  const ParticleFieldOptions* particle_field() const override { return &surfaces_.field_options(); }
   const MaterialTracers& tracers() const override { return tracers_; }
   FrameReport take_report(int frame) override;
   std::string kept_particles(const std::filesystem::path& file) const override;

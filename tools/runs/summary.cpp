@@ -39,11 +39,11 @@ std::string viscosity_warning(const RunSummary& s) {
       error);
 }
 
-std::string run_lines(const RunSummary& s, const std::string& title, const ParticleFieldOptions& field) {
-  std::string text = fmt::format(
-      "{}\n  {} particles, {} frames, {} steps to t = {:.4g} s; threshold {:.6g}, sigma {:.4g} m\n", title,
-      s.frames.back().particles, s.frames.size(), s.steps, s.frames.back().time, field.threshold,
-      field.sigma);
+std::string run_lines(const RunSummary& s, const std::string& title, const std::string& field) {
+  const std::size_t particles = s.frames.back().particles;
+  std::string text = fmt::format("{}\n  {}{} frames, {} steps to t = {:.4g} s; {}\n", title,
+                                 particles > 0 ? fmt::format("{} particles, ", particles) : "",
+                                 s.frames.size(), s.steps, s.frames.back().time, field);
   if (s.penetration_max && s.density_error_mean && s.density_error_max)
     text +=
         fmt::format("  deepest particle {:.3f} spacings inside a wall; compression mean {:.2e}, max {:.2e}\n",
@@ -153,8 +153,8 @@ std::optional<double> median_over(std::span<const SurfaceMetrics> frames,
   return known.empty() ? std::nullopt : std::optional(upper_median(known));
 }
 
-std::string summary_text(const RunSummary& summary, const std::string& title,
-                         const ParticleFieldOptions& field, const std::filesystem::path& folder) {
+std::string summary_text(const RunSummary& summary, const std::string& title, const std::string& field,
+                         const std::filesystem::path& folder) {
   return run_lines(summary, title, field) + time_line(summary) + method_table(summary) +
          fmt::format("Results: {}\nOpen:    paraview {}\n", folder.string(), (folder / "run.pvd").string());
 }

@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "surface/field/particle_motion.h"
 #include "tools/runs/metrics.h"
 #include "tools/runs/timings.h"
 
@@ -53,8 +52,8 @@ struct RunSummary {
 std::optional<double> median_over(std::span<const SurfaceMetrics> frames,
                                   std::optional<double> SurfaceMetrics::*member);
 
-/// For the terminal.
-std::string summary_text(const RunSummary& summary, const std::string& title,
-                         const ParticleFieldOptions& field, const std::filesystem::path& folder);
+/// For the terminal. field: what the surfaces are of, e.g. "threshold 0.5, sigma 0.1 m".
+std::string summary_text(const RunSummary& summary, const std::string& title, const std::string& field,
+                         const std::filesystem::path& folder);
 
 }  // namespace kappaflow

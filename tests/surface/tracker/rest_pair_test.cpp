@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "surface/tracker/tracked_surfaces.h"
+
 namespace kappaflow {
 namespace {
 

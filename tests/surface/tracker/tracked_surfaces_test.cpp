@@ -235,7 +235,7 @@ TEST(TrackedSurfaces, AnEmptySurfaceIsRefusedByName) {
     FAIL();
   } catch (const InvalidInput& error) {
     EXPECT_STREQ(error.what(),
-                 "the splash: the surface is empty: Eq. 12 stays below the threshold everywhere");
+                 "the splash: the surface is empty: the field stays below its threshold everywhere");
   }
 }
 

@@ -180,7 +180,7 @@ TEST_F(TrackReliability, OtherParticlesAreNotResumed) {
   std::ofstream(last) << csv_text(other, true, true);
   const ProgramResult changed = run_program({"track", "--resume", out.string()});
   EXPECT_EQ(changed.exit_code, 2);
-  EXPECT_EQ(changed.err, "kappaflow: error: p: the particles are not those that the run in " + out.string() +
+  EXPECT_EQ(changed.err, "kappaflow: error: p: the files are not those that the run in " + out.string() +
                              " began with\n");
   fs::remove(last);
   const ProgramResult missing = run_program({"track", "--resume", out.string()});
