@@ -45,7 +45,7 @@ kappaflow_needs(X11 1.8 libx11-dev)  # to ask for a display before VTK's renderi
 kappaflow_needs(VTK 9.1 libvtk9-dev COMPONENTS
                 CommonColor CommonCore CommonDataModel FiltersCore IOCore IOGeometry IOLegacy IOXML IOImage jsoncpp
                 RenderingCore RenderingOpenGL2 RenderingFreeType)
-# Only for the experiment level-sets. Debian's FindOpenVDB.cmake ends the configuration where Boost's libraries are missing,
+# Only for .vdb files and the experiment level-sets. Debian's FindOpenVDB.cmake ends the configuration without Boost's libraries,
 # of which nothing is used here.
 find_path(OPENVDB_INCLUDE_DIR openvdb/openvdb.h)
 find_library(OPENVDB_LIBRARY openvdb)

@@ -70,23 +70,6 @@ void keep_used_points(TriangleSurface& surface) {
   surface.vertices = std::move(vertices);
 }
 
-/// Triangles over merged points, without those that the merging collapsed.
-TriangleSurface triangle_surface(PolygonMesh mesh) {
-  for (const Vec3& x : mesh.points)
-    if (!x.allFinite()) throw InvalidInput("has a point that is not finite");
-  TriangleSurface surface;
-  for (const std::vector<int>& polygon : mesh.polygons)
-    add_triangles(mesh.points, polygon, surface.triangles);
-  const std::vector<int> first = first_equal_points(mesh.points);
-  for (Triangle& triangle : surface.triangles)
-    for (int& corner : triangle) corner = first[corner];
-  std::erase_if(surface.triangles,
-                [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
-  surface.vertices = std::move(mesh.points);
-  keep_used_points(surface);
-  return surface;
-}
-
 void check_areas(const TriangleSurface& surface) {
   for (const auto& [i, j, k] : surface.triangles) {
     const Vec3 &a = surface.vertices[i], &b = surface.vertices[j], &c = surface.vertices[k];
@@ -132,6 +115,22 @@ ClosedMesh closed_mesh(const std::filesystem::path& file) {
 }
 
 }  // namespace
+
+TriangleSurface triangle_surface(PolygonMesh mesh) {
+  for (const Vec3& x : mesh.points)
+    if (!x.allFinite()) throw InvalidInput("has a point that is not finite");
+  TriangleSurface surface;
+  for (const std::vector<int>& polygon : mesh.polygons)
+    add_triangles(mesh.points, polygon, surface.triangles);
+  const std::vector<int> first = first_equal_points(mesh.points);
+  for (Triangle& triangle : surface.triangles)
+    for (int& corner : triangle) corner = first[corner];
+  std::erase_if(surface.triangles,
+                [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
+  surface.vertices = std::move(mesh.points);
+  keep_used_points(surface);
+  return surface;
+}
 
 ClosedMesh read_closed_mesh(const std::filesystem::path& file, const SourcePosition& where) {
   const auto located = [&](const std::string& found) {

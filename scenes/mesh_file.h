@@ -11,6 +11,12 @@
 namespace kappaflow {
 
 struct MeshShape;
+struct PolygonMesh;
+
+/// Triangles of what a file has: polygons, which need not be convex, are cut, points with the same
+/// coordinates merged, triangles that have two corners in one place then left out, and points that none uses.
+/// Throws InvalidInput for a point that is not finite, or a polygon that cannot be cut.
+TriangleSurface triangle_surface(PolygonMesh mesh);
 
 /// A file that was read.
 struct ClosedMesh {

@@ -1,4 +1,4 @@
-// Particles and surfaces in VTK XML files, of other programs and our own.
+// Particles, surfaces and images in VTK XML files, of other programs and our own.
 #include "tools/io/vtk_xml.h"
 
 #include "tests/fuzz/reader_fuzzer.h"
@@ -13,5 +13,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   value_or_error([&] { read_input_frame(file); });
   if (!grid) value_or_error([&] { read_particle_file(file); });
   value_or_error([&] { parse_vtk_surface(bytes); });
+  value_or_error([&] { parse_vtk_image(bytes); });
   return 0;
 }

@@ -18,7 +18,7 @@
 #include "core/errors.h"
 #include "core/parse_number.h"
 #include "core/text_scanner.h"
-#include "tools/io/input_frame.h"
+#include "tools/io/input_kind.h"
 #include "tools/io/pvd_reader.h"
 
 namespace kappaflow {
@@ -82,14 +82,14 @@ std::string with_literal_folders(const fs::path& pattern) {
   return escaped;
 }
 
-/// The particle files in a folder.
+/// The files in a folder that may be frames.
 std::vector<std::string> files_in(const fs::path& folder) {
   std::vector<std::string> files;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder))
-    if (entry.is_regular_file() && is_particle_file(entry.path())) files.push_back(entry.path().string());
+    if (entry.is_regular_file() && is_input_file(entry.path())) files.push_back(entry.path().string());
   if (files.empty())
-    throw InvalidInput(fmt::format("{}: there are no particle files in this folder (expected {})",
-                                   folder.string(), kParticleFileKinds));
+    throw InvalidInput(fmt::format("{}: there are no frames in this folder (expected {})", folder.string(),
+                                   kInputFileKinds));
   std::ranges::sort(files);
   return files;
 }

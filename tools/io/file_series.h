@@ -41,10 +41,10 @@ struct FileSeries {
 };
 
 /// Expands names and shell patterns (*, ?, [...], ~); folders that are there may have these characters in
-/// their names. A folder stands for the particle files in it, a .pvd for the files that it lists, whose
-/// numbers count from 0. Throws IoError where nothing matches, InvalidInput where there are fewer than two
-/// files, or they are not one series: their names must differ in one number, whole or decimal, and nothing
-/// else.
+/// their names. A folder stands for the files in it that may be frames, see is_input_file(), a .pvd for the
+/// files that it lists, whose numbers count from 0. Throws IoError where nothing matches, InvalidInput where
+/// there are fewer than two files, or they are not one series: their names must differ in one number, whole
+/// or decimal, and nothing else.
 FileSeries file_series(std::span<const std::string> patterns, const FileRange& range = {});
 
 }  // namespace kappaflow

@@ -132,9 +132,7 @@ InputFrame frame_from_points(const PointData& points, const fs::path& file) {
     frame.radius_name = radius->name;
     for (const std::size_t i : chosen) frame.radius.push_back(radius->values[i]);
   }
-  if (const PointArray* time = find_array(points.fields, {"timevalue", "time"}, 1);
-      time != nullptr && !time->values.empty())
-    frame.time = time->values[0];
+  frame.time = time_in(points.fields);
   return frame;
 }
 

@@ -5,153 +5,20 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cstdint>
+#include <cmath>
+#include <limits>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "core/errors.h"
 #include "core/named.h"
-#include "core/parse_number.h"
 #include "core/text_scanner.h"
+#include "tools/io/legacy_vtk_cursor.h"
 
 namespace kappaflow {
 namespace {
-
-constexpr std::string_view kBlanks = " \t\r\n\v\f";
-
-NumberType number_type_named(const std::string& name) {
-  static constexpr Named<NumberType> kTypes[] = {
-      {"bit", NumberType::bit},
-      {"char", NumberType::int8},
-      {"signed_char", NumberType::int8},
-      {"unsigned_char", NumberType::uint8},
-      {"short", NumberType::int16},
-      {"unsigned_short", NumberType::uint16},
-      {"int", NumberType::int32},
-      {"unsigned_int", NumberType::uint32},
-      {"long", NumberType::int64},
-      {"unsigned_long", NumberType::uint64},
-      {"vtktypeint64", NumberType::int64},
-      {"vtktypeuint64", NumberType::uint64},
-      {"vtkidtype", NumberType::int32},  // as VTK writes it, whatever its size in memory
-      {"float", NumberType::float32},
-      {"double", NumberType::float64}};
-  for (const auto& known : kTypes)
-    if (known.name == name) return known.value;
-  throw InvalidInput(fmt::format("\"{}\" is no type of numbers", one_line(name, 30)));
-}
-
-/// The words, lines and numbers of the file, one after the other.
-class Cursor {
- public:
-  explicit Cursor(std::string_view bytes) : rest_(bytes) {}
-
-  void set_binary(bool binary) { binary_ = binary; }
-
-  std::string_view line() {
-    const std::size_t end = std::min(rest_.find('\n'), rest_.size());
-    const std::string_view line = rest_.substr(0, end);
-    rest_.remove_prefix(std::min(end + 1, rest_.size()));
-    return line.substr(0, line.find_last_not_of(kBlanks) + 1);
-  }
-  /// Empty at the end of the file.
-  std::string_view word() {
-    rest_.remove_prefix(std::min(rest_.find_first_not_of(kBlanks), rest_.size()));
-    return cut(std::min(rest_.find_first_of(kBlanks), rest_.size()));
-  }
-  std::string_view needed_word(std::string_view what) {
-    const std::string_view found = word();
-    if (found.empty()) throw InvalidInput(fmt::format("ends before {}", what));
-    return found;
-  }
-  std::size_t count(std::string_view what) {
-    const std::string_view found = needed_word(what);
-    if (const auto count = parse_number<std::size_t>(found)) return *count;
-    throw InvalidInput(fmt::format("{} is \"{}\"; expected a whole number >= 0", what, one_line(found, 30)));
-  }
-  /// What an array holds, in lower case.
-  std::string type() { return lower_case(needed_word("the type of its numbers")); }
-  NumberType number_type() { return number_type_named(type()); }
-  /// tuples x components numbers of what `what` names.
-  std::vector<double> numbers(NumberType type, std::size_t tuples, std::size_t components,
-                              std::string_view what) {
-    const std::size_t count = checked_product(tuples, components, what);
-    std::vector<double> values;
-    if (binary_) {
-      line();  // to the end of the line that says how many there are
-      if (bytes_of(type, count) > rest_.size()) throw_short(what, tuples, components);
-      values = binary_numbers(cut(bytes_of(type, count)), type, std::endian::big);
-      values.resize(count);  // bits fill bytes
-      return values;
-    }
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::string_view found = word();
-      if (found.empty()) throw_short(what, tuples, components);
-      values.push_back(number_from(found));
-    }
-    return values;
-  }
-  /// The same; none of an array of strings or variants, which is passed over.
-  std::optional<std::vector<double>> values(const std::string& type, std::size_t tuples,
-                                            std::size_t components, std::string_view what) {
-    const bool strings = type == "string" || type == "utf8_string";
-    if (!strings && type != "variant") return numbers(number_type_named(type), tuples, components, what);
-    line();
-    for (std::size_t left = checked_product(tuples, components, what); left > 0; --left) {
-      if (rest_.empty()) throw_in_texts(what);
-      if (strings && binary_)
-        skip_binary_string(what);
-      else
-        line();  // variants are text in all files
-    }
-    return std::nullopt;
-  }
-  /// What METADATA says of an array: up to an empty line, which names of components may have among them.
-  void skip_metadata(std::size_t components) {
-    line();
-    while (!rest_.empty()) {
-      const std::string keyword = lower_case(line());
-      if (keyword.empty()) return;
-      if (keyword != "component_names") continue;
-      for (std::size_t c = 0; c < components && !rest_.empty(); ++c) line();
-    }
-  }
-
-  bool binary() const { return binary_; }
-  bool next_word_is(std::string_view keyword) const { return lower_case(Cursor(*this).word()) == keyword; }
-
- private:
-  std::string_view cut(std::size_t bytes) {
-    const std::string_view found = rest_.substr(0, bytes);
-    rest_.remove_prefix(bytes);
-    return found;
-  }
-  /// Of numbers or texts that the rest of the file can hold: a bit at least for each.
-  std::size_t checked_product(std::size_t tuples, std::size_t components, std::string_view what) const {
-    if (components != 0 && tuples > 8 * rest_.size() / components) throw_short(what, tuples, components);
-    return tuples * components;
-  }
-  /// Its length stands before it: the first two bits tell in how many bytes, big-endian.
-  void skip_binary_string(std::string_view what) {
-    const auto first = static_cast<unsigned char>(rest_[0]);
-    const std::size_t bytes = std::size_t{8} >> (first >> 6);
-    std::uint64_t length = first & 0x3F;
-    for (std::size_t i = 1; i < std::min(bytes, rest_.size()); ++i)
-      length = length << 8 | static_cast<unsigned char>(rest_[i]);
-    if (bytes > rest_.size() || length > rest_.size() - bytes) throw_in_texts(what);
-    cut(bytes + length);
-  }
-  [[noreturn]] static void throw_in_texts(std::string_view what) {
-    throw InvalidInput(fmt::format("ends in the texts of {}", one_line(what, 30)));
-  }
-  [[noreturn]] static void throw_short(std::string_view what, std::size_t tuples, std::size_t components) {
-    throw InvalidInput(
-        fmt::format("ends before the {} x {} numbers of {}", tuples, components, one_line(what, 30)));
-  }
-
-  std::string_view rest_;
-  bool binary_ = false;
-};
 
 /// Array names stand for blanks and the like as URLs do: %20.
 std::string decoded(std::string_view name) {
@@ -172,13 +39,30 @@ std::string decoded(std::string_view name) {
 /// Reads the sections of a file, which may come in any order.
 class LegacyReader {
  public:
-  explicit LegacyReader(std::string_view bytes) : in_(bytes) {}
+  /// kinds: of data sets that will do. Of cells' arrays those of images are kept.
+  LegacyReader(std::string_view bytes, std::vector<std::string_view> kinds, bool with_polygons = false)
+      : in_(bytes), kinds_(std::move(kinds)), with_polygons_(with_polygons) {}
 
-  PointData read() {
+  void read() {
     read_head();
     for (std::string_view word = in_.word(); !word.empty(); word = in_.word()) read_section(word);
+  }
+
+  PointData points() {
     data_.check_sizes();
     return std::move(data_);
+  }
+  LatticeData image() {
+    image_.arrays = std::move(data_.arrays);
+    image_.cell_arrays = std::move(cell_arrays_);
+    image_.fields = std::move(data_.fields);
+    image_.check_sizes();
+    return std::move(image_);
+  }
+  /// Those that were kept; in the order of the file.
+  PolygonList polygons() {
+    for (const int corner : polygons_.corner) checked_corner(corner, data_.position.size());
+    return std::move(polygons_);
   }
 
  private:
@@ -202,13 +86,19 @@ class LegacyReader {
       read_points();
     else if (keyword == "vertices" || keyword == "lines" || keyword == "polygons" ||
              keyword == "triangle_strips" || keyword == "cells")
-      skip_cells(word);
+      read_cells(word, keyword);
+    else if (keyword == "dimensions")
+      read_dimensions();
+    else if (keyword == "origin")
+      image_.origin = vector(word);
+    else if (keyword == "spacing" || keyword == "aspect_ratio")
+      image_.spacing = vector(word);
     else if (keyword == "cell_types")
       in_.numbers(NumberType::int32, in_.count("the number of cells"), 1, word);
     else if (keyword == "point_data")
       begin_point_data();
     else if (keyword == "cell_data")
-      owner_ = Owner::cells, tuples_ = in_.count("the number of cells");
+      owner_ = Owner::cells, tuples_ = in_.count("the number of cells with data");
     else if (keyword == "metadata")
       in_.skip_metadata(components_);
     else if (keyword == "field")
@@ -221,8 +111,9 @@ class LegacyReader {
 
   void read_kind() {
     const std::string kind = lower_case(in_.needed_word("the kind of its data set"));
-    if (kind != "polydata" && kind != "unstructured_grid")
-      throw InvalidInput(fmt::format("holds {}; expected POLYDATA or UNSTRUCTURED_GRID", one_line(kind, 30)));
+    const auto is_kind = [&](std::string_view known) { return lower_case(known) == kind; };
+    if (std::ranges::none_of(kinds_, is_kind))
+      throw InvalidInput(fmt::format("holds {}; expected {}", one_line(kind, 30), fmt::join(kinds_, " or ")));
   }
 
   void read_points() {
@@ -234,34 +125,84 @@ class LegacyReader {
       data_.position.emplace_back(values[i], values[i + 1], values[i + 2]);
   }
 
-  /// Up to version 5.0 cells and numbers, as many as said; then the two arrays of version 5.1.
-  void skip_cells(std::string_view section) {
-    const std::size_t first = in_.count("the number of cells"), second = in_.count("the size of the cells");
-    if (!in_.next_word_is("offsets")) {
-      in_.numbers(NumberType::int32, second, 1, section);
-      return;
+  Vec3 vector(std::string_view what) {
+    const double x = in_.number(what), y = in_.number(what), z = in_.number(what);
+    return {x, y, z};
+  }
+
+  void read_dimensions() {
+    constexpr std::size_t kMost = 1'000'000'000'000;
+    for (std::size_t& points : image_.points) points = in_.count("DIMENSIONS");
+    std::size_t left = kMost;
+    for (const std::size_t points : image_.points) {
+      if (points == 0 || points > left)
+        throw InvalidInput(fmt::format("DIMENSIONS are {}", fmt::join(image_.points, " ")));
+      left /= points;
     }
-    for (const std::size_t count : {first, second}) {
-      const std::string_view name = in_.needed_word("OFFSETS and CONNECTIVITY");
-      in_.numbers(in_.number_type(), count, 1, name);
+  }
+
+  /// Up to version 5.0 cells and numbers, as many as said; then the two arrays of version 5.1.
+  void read_cells(std::string_view section, const std::string& keyword) {
+    const std::size_t first = in_.count("the number of cells"), second = in_.count("the size of the cells");
+    std::vector<std::vector<double>> numbers;
+    if (!in_.next_word_is("offsets")) {
+      numbers.push_back(in_.numbers(NumberType::int32, second, 1, section));
+    } else {
+      for (const std::size_t count : {first, second}) {
+        const std::string_view name = in_.needed_word("OFFSETS and CONNECTIVITY");
+        numbers.push_back(in_.numbers(in_.number_type(), count, 1, name));
+      }
+    }
+    const bool strips = keyword == "triangle_strips";
+    if (with_polygons_ && (strips || keyword == "polygons")) keep_polygons(numbers, strips);
+  }
+
+  /// numbers: of each polygon how many corners it has, and these; or where the polygons begin, and the
+  /// corners.
+  void keep_polygons(const std::vector<std::vector<double>>& numbers, bool strips) {
+    constexpr std::size_t kMost = std::numeric_limits<int>::max();
+    const std::vector<double>& corners = numbers.back();
+    const bool counted = numbers.size() == 1;
+    std::size_t at = 0, polygon = 0;
+    std::vector<int> corner;
+    while (counted ? at < corners.size() : polygon + 1 < numbers[0].size()) {
+      const double count = counted ? corners[at++] : numbers[0][polygon + 1] - numbers[0][polygon];
+      ++polygon;
+      if (!(count >= 0 && count <= static_cast<double>(corners.size() - at)) || count != std::floor(count))
+        throw InvalidInput(
+            fmt::format("has a polygon of {} corners; {} are left", count, corners.size() - at));
+      corner.clear();
+      for (std::size_t c = 0; c < static_cast<std::size_t>(count); ++c)
+        corner.push_back(checked_corner(corners[at++], kMost));
+      if (strips) {
+        add_strip(corner, polygons_);
+      } else {
+        polygons_.corner.insert(polygons_.corner.end(), corner.begin(), corner.end());
+        polygons_.end.push_back(polygons_.corner.size());
+      }
     }
   }
 
   void begin_point_data() {
     owner_ = Owner::points;
     tuples_ = in_.count("the number of points with data");
-    if (tuples_ != data_.position.size())
-      throw InvalidInput(
-          fmt::format("POINT_DATA are of {} points; there are {}", tuples_, data_.position.size()));
+    const auto& [nx, ny, nz] = image_.points;
+    const std::size_t points = is_image() ? nx * ny * nz : data_.position.size();
+    if (tuples_ != points)
+      throw InvalidInput(fmt::format("POINT_DATA are of {} points; there are {}", tuples_, points));
   }
+
+  bool is_image() const { return image_.points[0] > 0; }
 
   /// The array that comes next, which goes where it belongs.
   void read_array(std::string_view name, const std::string& type, std::size_t tuples,
                   std::size_t components) {
     components_ = components;
     std::optional<std::vector<double>> values = in_.values(type, tuples, components, name);
-    if (!values || owner_ == Owner::cells) return;
-    (owner_ == Owner::points ? data_.arrays : data_.fields)
+    if (!values || (owner_ == Owner::cells && !is_image())) return;
+    (owner_ == Owner::points  ? data_.arrays
+     : owner_ == Owner::cells ? cell_arrays_
+                              : data_.fields)
         .push_back({decoded(name), components, std::move(*values)});
   }
 
@@ -319,8 +260,13 @@ class LegacyReader {
     return components;
   }
 
-  Cursor in_;
+  LegacyCursor in_;
+  std::vector<std::string_view> kinds_;
+  bool with_polygons_;
   PointData data_;
+  std::vector<PointArray> cell_arrays_;
+  LatticeData image_;
+  PolygonList polygons_;
   Owner owner_ = Owner::file;
   std::size_t tuples_ = 0;      // of the owner's arrays
   std::size_t components_ = 0;  // of the array that was read last
@@ -329,7 +275,22 @@ class LegacyReader {
 }  // namespace
 
 PointData parse_legacy_vtk(std::string_view bytes) {
-  return LegacyReader(bytes).read();
+  LegacyReader reader(bytes, {"POLYDATA", "UNSTRUCTURED_GRID"});
+  reader.read();
+  return reader.points();
+}
+
+VtkPolygons parse_legacy_polygons(std::string_view bytes) {
+  LegacyReader reader(bytes, {"POLYDATA"}, true);
+  reader.read();
+  PolygonList polygons = reader.polygons();
+  return {reader.points(), std::move(polygons), {}};
+}
+
+LatticeData parse_legacy_image(std::string_view bytes) {
+  LegacyReader reader(bytes, {"STRUCTURED_POINTS"});
+  reader.read();
+  return reader.image();
 }
 
 }  // namespace kappaflow

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <span>
 #include <tuple>
@@ -14,6 +15,7 @@
 #include "core/nearest_points.h"
 #include "core/quantile.h"
 #include "core/text_hash.h"
+#include "tools/io/frame_times.h"
 
 namespace kappaflow {
 namespace {
@@ -130,7 +132,9 @@ std::string wrong_ids(const InputFrame& before, const InputFrame& after, IndexPa
 
 /// What the first reading of all files finds out.
 struct Survey {
-  std::vector<std::optional<double>> time;
+  explicit Survey(const FileSeries& series) : times(series) {}
+
+  FrameTimes times;
   std::vector<std::size_t> particles;
   Displacements displacements;
   std::string repeated;    // where an id is used twice; empty: nowhere
@@ -181,17 +185,15 @@ void check_same_array(const char* what, const std::string& first_name, const std
                                  missing ? first_name : name));
 }
 
-/// listed: times that a list of the files says; empty where the files do.
-Survey survey(InputFrames& frames, std::span<const double> listed,
+Survey survey(InputFrames& frames, const FileSeries& series,
               const std::function<void(std::size_t file)>& watch) {
-  Survey found;
+  Survey found(series);
   const auto files = frames.files();
   for (std::size_t k = 0; k < files.size(); ++k) {
     if (watch) watch(k);
     const fs::path& file = files[k];
     const InputFrame& frame = frames[k];
     const bool is_first = k == 0;
-    const std::optional<double> time = listed.empty() ? frame.time : listed[k];
     if (is_first)
       found.id_name = frame.id_name, found.velocity_name = frame.velocity_name,
       found.radius_name = frame.radius_name;
@@ -199,13 +201,7 @@ Survey survey(InputFrames& frames, std::span<const double> listed,
     check_same_array("velocities", found.velocity_name, frame.velocity_name, files.front(), file);
     check_same_array("radii", found.radius_name, frame.radius_name, files.front(), file);
     found.add_radii(frame.radius);
-    if (!is_first && time.has_value() != found.time.front().has_value())
-      throw InvalidInput({file.string()}, fmt::format("{} a time; {} {}", time ? "holds" : "lacks",
-                                                      files.front().string(), time ? "does not" : "does"));
-    if (!is_first && time && !(*time > *found.time.back()))
-      throw InvalidInput({file.string()},
-                         fmt::format("its time, {} s, is not after that of the file before, {} s", *time,
-                                     *found.time.back()));
+    found.times.add(frame.time);
     if (const auto id = repeated_id(frame.id); id && found.repeated.empty())
       found.repeated = fmt::format("{} has several particles with the id {}", file.string(), *id);
     if (found.coincident.empty()) found.coincident = coincidence_note(frame, file);
@@ -215,7 +211,6 @@ Survey survey(InputFrames& frames, std::span<const double> listed,
       if (!frame.velocity.empty()) found.displacements.add(before, frame, pairs);
       if (found.wrong_ids.empty()) found.wrong_ids = wrong_ids(before, frame, pairs, files[k - 1], file);
     }
-    found.time.push_back(time);
     found.particles.push_back(frame.position.size());
     found.left_out += frame.left_out;
     add_to(found.hash, frame);
@@ -266,24 +261,9 @@ std::optional<std::string> displacement_note(const Survey& s, double frames_per_
 }
 
 /// What is known of frames a second where nobody has said it.
-std::string rate_hint(const Survey& s, const FileSeries& series) {
-  if (s.displacements.any_motion())
-    return fmt::format(" (velocities and displacements fit {:.3g})", s.displacements.frames_per_second());
-  if (series.is_decimal) return fmt::format(" ({:.6g} if the names hold seconds)", 1 / series.step);
-  return {};
-}
-
-std::vector<double> frame_times(const Survey& s, std::optional<double> frames_per_second,
-                                const FileSeries& series) {
-  std::vector<double> time;
-  for (std::size_t k = 0; k < s.time.size(); ++k) {
-    if (!s.time[k] && !frames_per_second)
-      throw InvalidInput(
-          fmt::format("{}: the files hold no times; say how many frames a second they are by --fps{}",
-                      series.name, rate_hint(s, series)));
-    time.push_back(s.time[k] ? *s.time[k] : static_cast<double>(k) * series.stride / *frames_per_second);
-  }
-  return time;
+std::string rate_hint(const Survey& s) {
+  if (!s.displacements.any_motion()) return {};
+  return fmt::format(" (velocities and displacements fit {:.3g})", s.displacements.frames_per_second());
 }
 
 /// The derivative at time t of the polynomial through (time, position), of which there are one to three.
@@ -322,11 +302,10 @@ Coincidence coincident_particles(std::span<const Vec3> position) {
 ParticleSequence::ParticleSequence(FileSeries series, std::optional<double> frames_per_second,
                                    const std::function<void(std::size_t file)>& watch)
     : series_(std::move(series)), inputs_(series_.files) {
-  const Survey found = survey(inputs_, series_.times, watch);
-  if (!found.time.front() && !series_.gap.empty())
-    throw InvalidInput(fmt::format("{}; files without times must be equally far apart", series_.gap));
+  const Survey found = survey(inputs_, series_, watch);
+  found.times.check_gap();
   hash_ = found.hash.text();
-  time_ = frame_times(found, frames_per_second, series_);
+  time_ = found.times.times(frames_per_second, rate_hint(found));
   matched_ = !found.id_name.empty() && found.repeated.empty();
   using enum Velocity;
   velocity_ = !found.velocity_name.empty() ? given : matched_ ? estimated : unknown;
@@ -336,15 +315,7 @@ ParticleSequence::ParticleSequence(FileSeries series, std::optional<double> fram
 
   notes_ = array_notes(found, velocity_);
   const double mean_rate = static_cast<double>(size() - 1) / (time_.back() - time_.front());
-  notes_.push_back(fmt::format("times {} to {:.6g} s, {}", time_.front(), time_.back(),
-                               !series_.times.empty() ? std::string("from the .pvd")
-                               : found.time.front()   ? std::string("from the files")
-                                                    : fmt::format("{} frames a second", *frames_per_second)));
-  if (!found.time.front() && series_.step != 1)
-    notes_.push_back(fmt::format("numbers go up by {:.6g}: taken as consecutive frames, {:.4g} s apart",
-                                 series_.step, 1 / *frames_per_second));
-  if (found.time.front() && frames_per_second) notes_.emplace_back("--fps is not used: the files hold times");
-  if (!series_.gap.empty()) notes_.push_back(series_.gap);
+  std::ranges::move(found.times.notes(frames_per_second), std::back_inserter(notes_));
   if (!found.coincident.empty()) notes_.push_back(found.coincident);
   if (!found.wrong_ids.empty())
     notes_.push_back(found.wrong_ids);

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 
 #include "core/errors.h"
 #include "core/parse_number.h"
@@ -36,14 +38,29 @@ std::vector<double> bits(std::string_view bytes) {
   return result;
 }
 
+void check_tuples(const std::vector<PointArray>& arrays, std::size_t tuples, const char* what) {
+  for (const PointArray& array : arrays)
+    if (array.values.size() != array.components * tuples)
+      throw InvalidInput(fmt::format("array \"{}\" has {} numbers, and {} {} with {} each need {}",
+                                     one_line(array.name, 30), array.values.size(), tuples, what,
+                                     array.components, array.components * tuples));
+}
+
 }  // namespace
 
 void PointData::check_sizes() const {
-  for (const PointArray& array : arrays)
-    if (array.values.size() != array.components * position.size())
-      throw InvalidInput(fmt::format("array \"{}\" has {} numbers, and {} points with {} each need {}",
-                                     one_line(array.name, 30), array.values.size(), position.size(),
-                                     array.components, array.components * position.size()));
+  check_tuples(arrays, position.size(), "points");
+}
+
+std::array<std::size_t, 3> LatticeData::cells() const {
+  std::array<std::size_t, 3> cells = points;
+  for (std::size_t& count : cells) count = std::max<std::size_t>(count, 2) - 1;
+  return cells;
+}
+
+void LatticeData::check_sizes() const {
+  check_tuples(arrays, points[0] * points[1] * points[2], "points");
+  check_tuples(cell_arrays, cells()[0] * cells()[1] * cells()[2], "cells");
 }
 
 const PointArray* find_array(const std::vector<PointArray>& arrays,
@@ -52,6 +69,28 @@ const PointArray* find_array(const std::vector<PointArray>& arrays,
     for (const PointArray& array : arrays)
       if (array.components == components && lower_case(array.name) == name) return &array;
   return nullptr;
+}
+
+std::optional<double> time_in(const std::vector<PointArray>& fields) {
+  const PointArray* time = find_array(fields, {"timevalue", "time"}, 1);
+  return time == nullptr || time->values.empty() ? std::nullopt : std::optional(time->values[0]);
+}
+
+void add_strip(std::span<const int> strip, PolygonList& polygons) {
+  for (std::size_t k = 2; k < strip.size(); ++k) {  // every other one turns the other way
+    const bool odd = k % 2 == 1;
+    polygons.corner.insert(polygons.corner.end(),
+                           {strip[odd ? k - 1 : k - 2], strip[odd ? k - 2 : k - 1], strip[k]});
+    polygons.end.push_back(polygons.corner.size());
+  }
+}
+
+int checked_corner(double number, std::size_t points) {
+  constexpr double kMost = std::numeric_limits<int>::max();
+  if (!(number >= 0 && number < static_cast<double>(points) && number <= kMost) ||
+      number != std::floor(number))
+    throw InvalidInput(fmt::format("has a polygon with the corner {} of {} points", number, points));
+  return static_cast<int>(number);
 }
 
 std::size_t bytes_of(NumberType type, std::size_t count) {

@@ -1,4 +1,4 @@
-// Points and surfaces in VTK XML files.
+// Points, surfaces and images in VTK XML files, see VtkXmlReader.
 #pragma once
 
 #include <string_view>
@@ -9,11 +9,18 @@
 namespace kappaflow {
 
 /// The points of a VTK XML file with the arrays of its points and its field arrays; of its pieces, one after
-/// the other. kind: PolyData (.vtp) or UnstructuredGrid (.vtu). Arrays may be text, inline binary or appended
-/// (base64 or raw), of either byte order, and compressed in the ways that VTK knows. Cells are skipped.
-/// Trusts nothing in the file, and throws InvalidInput that says what is wrong. Written here because
-/// VTK 9.1's readers crash on damaged files, and ask for as much memory as they claim to need.
+/// the other. kind: PolyData (.vtp) or UnstructuredGrid (.vtu). Cells are skipped. Throws InvalidInput that
+/// says what is wrong, as all of these do.
 PointData parse_vtk_xml(std::string_view bytes, std::string_view kind);
+
+struct VtkPolygons {
+  PointData points;
+  PolygonList polygons;                 ///< triangle strips as triangles, behind the polygons of their piece
+  std::vector<PointArray> cell_arrays;  ///< as the file has them
+};
+
+/// The same of a PolyData file with its polygons.
+VtkPolygons parse_vtk_polygons(std::string_view bytes);
 
 struct VtkSurface {
   PointData points;
@@ -24,5 +31,8 @@ struct VtkSurface {
 /// The same of a PolyData file with its polygons, which must be triangles of points that there are, with
 /// the arrays of these.
 VtkSurface parse_vtk_surface(std::string_view bytes);
+
+/// The points of an ImageData file (.vti), of one piece or several that fill its whole extent.
+LatticeData parse_vtk_image(std::string_view bytes);
 
 }  // namespace kappaflow

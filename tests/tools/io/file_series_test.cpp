@@ -47,7 +47,7 @@ TEST_F(FileSeriesNames, FilesThatAreNoSeriesAreSaid) {
             path("none_*.csv") + ": there is no such file");
 }
 
-TEST_F(FileSeriesNames, AFolderStandsForTheParticleFilesInIt) {
+TEST_F(FileSeriesNames, AFolderStandsForTheFramesInIt) {
   for (const char* name : {"p_2.vtk", "p_10.vtk", "notes.txt", "p_2.png"}) file(name, "");
   const FileSeries found = series("");
   ASSERT_EQ(found.files.size(), 2u);
@@ -56,10 +56,10 @@ TEST_F(FileSeriesNames, AFolderStandsForTheParticleFilesInIt) {
   EXPECT_NE(message_of<InvalidInput>([&] { series(""); }).find(" belong to different series; "),
             std::string::npos);
   std::filesystem::create_directory(folder / "empty");
-  EXPECT_EQ(
-      message_of<InvalidInput>([&] { series("empty"); }),
-      path("empty") +
-          ": there are no particle files in this folder (expected .vtk, .vtp, .vtu, .bgeo, .hdf5 or .csv)");
+  EXPECT_EQ(message_of<InvalidInput>([&] { series("empty"); }),
+            path("empty") +
+                ": there are no frames in this folder (expected .vtk, .vtp, .vtu, .bgeo, .hdf5 or .csv with "
+                "particles, .vti, .vtk or .vdb with distances, .obj, .ply, .stl, .vtp or .vtk with meshes)");
 }
 
 TEST_F(FileSeriesNames, ARangeTakesFilesByTheirNumbers) {

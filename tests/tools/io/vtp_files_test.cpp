@@ -243,13 +243,14 @@ TEST_F(DataFiles, SurfacesThatCannotBeDrawnAreOneLine) {
   const std::string begin = ": is damaged or not complete (", end = ")";
   EXPECT_EQ(read_surface(file("a.vtp", square_text("0 1 2 0 2 3", "3 6")))->GetNumberOfPolys(), 2);
   EXPECT_EQ(message(square_text("0 1 2 0 2 4", "3 6")),
-            begin + "has a triangle with the corner 4 of 4 points" + end);
+            begin + "has a polygon with the corner 4 of 4 points" + end);
   EXPECT_EQ(message(square_text("0 1 2 0 2 -1", "3 6")),
-            begin + "has a triangle with the corner -1 of 4 points" + end);
+            begin + "has a polygon with the corner -1 of 4 points" + end);
   EXPECT_EQ(message(square_text("0 1 2 0 2 nan", "3 6")),
-            begin + "has a triangle with the corner nan of 4 points" + end);
+            begin + "has a polygon with the corner nan of 4 points" + end);
   EXPECT_EQ(message(square_text("0 1 2 3", "4")), begin + "polygon 0 is no triangle" + end);
-  EXPECT_EQ(message(square_text("0 1 2 0 2", "3 6")), begin + "has 5 corners for 2 triangles" + end);
+  EXPECT_EQ(message(square_text("0 1 2 0 2", "3 6")),
+            begin + "has a polygon that ends at 6 of 5 corners" + end);
   std::string with_array = square_text("0 1 2 0 2 3", "3 6");
   with_array.insert(
       with_array.find("<Polys>"),

@@ -1,0 +1,34 @@
+// What a file that another program wrote holds.
+#pragma once
+
+#include <filesystem>
+#include <span>
+
+#include "core/named.h"
+
+namespace kappaflow {
+
+enum class InputKind { particles, images, meshes };
+
+/// As messages have them.
+inline constexpr Named<InputKind> kInputKinds[] = {
+    {"particles", InputKind::particles}, {"images", InputKind::images}, {"meshes", InputKind::meshes}};
+
+/// By the ending of the name: particles .vtu, .bgeo, .hdf5 and .csv; images .vti and .vdb; meshes .obj, .ply
+/// and .stl. By what is in it, .vtk: images where it holds structured points, meshes where it holds polygons
+/// or triangle strips, else particles; .vtp: meshes where a piece that begins in the first MiB has polygons
+/// or strips, else particles. Throws IoError where it must be read and cannot be, InvalidInput for other
+/// endings.
+InputKind input_kind(const std::filesystem::path& file);
+
+/// The kind of all of the files, of which there is one at least. Throws what input_kind() throws, and
+/// InvalidInput where a file is of another kind than the first.
+InputKind input_kind(std::span<const std::filesystem::path> files);
+
+/// Whether the ending of the name is one of those.
+bool is_input_file(const std::filesystem::path& file);
+inline constexpr const char* kInputFileKinds =
+    ".vtk, .vtp, .vtu, .bgeo, .hdf5 or .csv with particles, .vti, .vtk or .vdb with distances, .obj, .ply, "
+    ".stl, .vtp or .vtk with meshes";
+
+}  // namespace kappaflow
