@@ -21,19 +21,20 @@ import pathlib
 
 import numpy as np
 
-HALF_WIDTH = 1.0  # of the box about the origin [m]
+HALF_WIDTHS = (0.9, 0.9, 0.675)  # of the box about the origin, 4 : 4 : 3 [m]
 RADIUS = 0.3  # of the drops [m]
 CENTRES = ((-0.36, 0.0, 0.06), (0.36, 0.0, -0.06))  # [m]
 STRAIN = 0.15  # along the axis [1/s]
 SPIN = 4.0  # angular velocity at the axis [rad/s]
 CORE = 0.45  # radius of the vortex [m]
-DURATION = 2.5  # [s]
+DURATION = 2.0  # [s]
 
 
-def lattice(points):
-    """Coordinates along each axis, and their distance [m]."""
-    x, spacing = np.linspace(-HALF_WIDTH, HALF_WIDTH, points, retstep=True)
-    return np.meshgrid(*[x.astype(np.float32)] * 3, indexing="ij"), float(spacing)
+def lattice(cells):
+    """Coordinates with that many cells along x [m], the first point [m], and the distance between points [m]."""
+    spacing = 2 * HALF_WIDTHS[0] / cells
+    axes = [np.linspace(-half, half, 2 * round(half / spacing) + 1, dtype=np.float32) for half in HALF_WIDTHS]
+    return np.meshgrid(*axes, indexing="ij"), [-half for half in HALF_WIDTHS], spacing
 
 
 def flow(x, y, z):
@@ -111,7 +112,7 @@ def reinitialised(phi, spacing, steps):
     return phi
 
 
-def write_vti(path, time, spacing, **arrays):
+def write_vti(path, time, origin, spacing, **arrays):
     """VTK image data with raw appended arrays: sizes and numbers, one array after the other; x runs fastest."""
     data, text = b"", ""
     for name, values in arrays.items():
@@ -119,8 +120,8 @@ def write_vti(path, time, spacing, **arrays):
         text += f'<DataArray type="Float32" Name="{name}" NumberOfComponents="{components}" format="appended" offset="{len(data)}"/>\n'
         numbers = np.ascontiguousarray(values.swapaxes(0, 2), "<f4").tobytes()
         data += np.array([len(numbers)], "<u8").tobytes() + numbers
-    last = next(iter(arrays.values())).shape[0] - 1
-    extent, corner = " ".join([f"0 {last}"] * 3), " ".join([repr(-HALF_WIDTH)] * 3)
+    extent = " ".join(f"0 {points - 1}" for points in next(iter(arrays.values())).shape[:3])
+    corner = " ".join(repr(x) for x in origin)
     head = f"""<?xml version="1.0"?>
 <VTKFile type="ImageData" version="1.0" byte_order="LittleEndian" header_type="UInt64">
 <ImageData WholeExtent="{extent}" Origin="{corner}" Spacing="{spacing!r} {spacing!r} {spacing!r}">
@@ -134,27 +135,27 @@ def write_vti(path, time, spacing, **arrays):
 def main():
     parser = argparse.ArgumentParser(description="Two drops in a vortex, by a level set on a grid.")
     parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("out/level_set"), help="folder for the images")
-    parser.add_argument("--frames", type=int, default=51, help="how many images, at least 2 (51)")
-    parser.add_argument("--points", type=int, default=64, help="along each axis of the grid, at least 16 (64)")
+    parser.add_argument("--frames", type=int, default=41, help="how many images, at least 2 (41)")
+    parser.add_argument("--cells", type=int, default=64, help="of the grid along x, a multiple of 8, at least 16 (64)")
     parser.add_argument("--velocity", action="store_true", help="write the flow as well")
     options = parser.parse_args()
-    if options.frames < 2 or options.points < 16:
-        parser.error("--frames must be at least 2, --points at least 16")
+    if options.frames < 2 or options.cells < 16 or options.cells % 8:
+        parser.error("--frames must be at least 2, --cells a multiple of 8 and at least 16")
     options.out.mkdir(parents=True, exist_ok=True)
 
-    (x, y, z), spacing = lattice(options.points)
+    (x, y, z), origin, spacing = lattice(options.cells)
     velocity = flow(x, y, z)
     arrays = {"velocity": np.stack(velocity, axis=3)} if options.velocity else {}
     interval = DURATION / (options.frames - 1)
     fastest = np.max(sum(np.abs(u) for u in velocity))
-    steps = int(np.ceil(interval * fastest / (0.9 * spacing)))
+    steps = int(np.ceil(interval * fastest / spacing))
     phi = drops(x, y, z)
     for frame in range(options.frames):
         if frame > 0:
             for _ in range(steps):
                 phi = advected(phi, velocity, spacing, interval / steps)
             phi = reinitialised(phi, spacing, 2)
-        write_vti(options.out / f"phi_{frame:04d}.vti", frame * interval, spacing, phi=phi, **arrays)
+        write_vti(options.out / f"phi_{frame:04d}.vti", frame * interval, origin, spacing, phi=phi, **arrays)
     print(f"{options.frames} images in {options.out}, {interval:g} s apart, {steps} steps each")
 
 

@@ -212,6 +212,8 @@ DistanceImage::DistanceImage(const SignedDistances& distances, double time) : ti
   check(distances);
   const RegularGrid grid = padded(distances.grid);
   std::vector<float> f = padded_f(distances);
+  reach_ = parallel_max(distances.value.size(), 0.0,
+                        [&](std::size_t p) { return std::abs(static_cast<double>(distances.value[p])); });
   outside_ = *std::ranges::min_element(f);
   f_ = GridSpline(grid, std::move(f));
   if (distances.velocity.empty()) return;

@@ -32,15 +32,16 @@ class DistanceImage {
   /// x, y and z of the velocities; nowhere where there are none.
   const std::array<GridSpline, 3>& velocity() const { return velocity_; }
   bool has_velocity() const { return velocity_[0].grid().dims[0] > 0; }
-  float outside() const {
-    return outside_;
-  }  ///< f beyond the grid, where another image of the series goes on
+  /// f beyond the grid, where another image of the series goes on.
+  float outside() const { return outside_; }
+  double reach() const { return reach_; }  ///< the largest distance that it knows [m]
 
  private:
   GridSpline f_;
   std::array<GridSpline, 3> velocity_;
   double time_;
   float outside_;
+  double reach_;
 };
 
 /// Signed distances between instants, f < 0 outside. Its level sets are taken for distances, abs(grad f) = 1,

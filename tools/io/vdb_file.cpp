@@ -3,8 +3,9 @@
 #include <fmt/format.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Dense.h>
-#include <openvdb/tools/LevelSetRebuild.h>
+#include <openvdb/tools/FastSweeping.h>
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <string>
@@ -97,18 +98,23 @@ std::optional<double> time_in(const openvdb::MetaMap& metadata) {
   return std::nullopt;
 }
 
-/// The same surface with distances kVdbReach voxels away from it, and one more for rounding.
+/// The grid with distances that many voxels beyond those that it has.
 FloatGrid::Ptr with_wide_band(const FloatGrid& grid, const fs::path& file) {
-  constexpr float kBand = static_cast<float>(kVdbReach + 1);
-  FloatGrid::Ptr wide;
-  try {
-    wide = openvdb::tools::levelSetRebuild(grid, 0, kBand);
-  } catch (const openvdb::Exception& error) {
-    throw InvalidInput({file.string()}, fmt::format("has no surface ({})", error.what()));
-  }
-  if (wide->activeVoxelCount() == 0)
+  if (grid.activeVoxelCount() == 0)
     throw InvalidInput({file.string()}, fmt::format("its grid \"{}\" has no surface", grid.getName()));
-  return wide;
+  return openvdb::tools::dilateSdf(grid, kVdbReach, openvdb::tools::NN_FACE_EDGE_VERTEX);
+}
+
+/// All values of the box, along x first; where there is no distance, the largest that there is.
+std::vector<float> dense_values(const FloatGrid& grid, const openvdb::CoordBBox& box) {
+  float largest = 0;
+  for (auto value = grid.cbeginValueOn(); value; ++value)
+    if (std::isfinite(*value)) largest = std::max(largest, std::abs(*value));
+  openvdb::tools::Dense<float, openvdb::tools::LayoutXYZ> dense(box);
+  openvdb::tools::copyToDense(grid, dense);
+  std::vector<float> values(dense.data(), dense.data() + box.volume());
+  for (float& value : values) value = std::clamp(value, -largest, largest);
+  return values;
 }
 
 }  // namespace
@@ -123,9 +129,10 @@ ImageFrame read_vdb(const fs::path& file) {
     throw InvalidInput({file.string()}, fmt::format("takes {} x {} x {} points; at most 2^31 will do",
                                                     box.dim().x(), box.dim().y(), box.dim().z()));
   ImageFrame frame;
-  openvdb::tools::Dense<float, openvdb::tools::LayoutXYZ> dense(box);
-  openvdb::tools::copyToDense(*wide, dense);
-  frame.value.assign(dense.data(), dense.data() + box.volume());
+  frame.value = dense_values(*wide, box);
+  const auto [least, most] = std::minmax_element(frame.value.begin(), frame.value.end());
+  if (!(*least < 0 && *most > 0))
+    throw InvalidInput({file.string()}, fmt::format("its grid \"{}\" has no surface", grid->getName()));
   const openvdb::Vec3d origin = wide->indexToWorld(box.min());
   for (int c = 0; c < 3; ++c) {
     frame.dims[static_cast<std::size_t>(c)] = box.dim()[c];

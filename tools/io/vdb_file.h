@@ -10,16 +10,16 @@
 
 namespace kappaflow {
 
-/// How far from the surface distances reach at least, and how far beyond the surface the lattice does
-/// [voxels].
+/// How far distances reach beyond those in the file at least [voxels].
 inline constexpr int kVdbReach = 10;
 
 /// The grid of floats surface, phi or sdf, in upper or lower case, else the only level set, else the only
-/// grid of floats, as a dense lattice around its surface; beyond a narrow band by distances to the surface
-/// that kVdbReach voxels and less are exact. The time is the number `time` among the metadata of the grid or
-/// of the file. Throws IoError (not readable, damaged, or the program was built without OpenVDB: how to
-/// install it), InvalidInput (no such grid or several, a transform that is no uniform scale and translation,
-/// no surface, a lattice of more than 2^31 points).
+/// grid of floats, as a dense lattice around its active voxels. Its distances go on by fast sweeping (Zhao
+/// 2005), of first order, kVdbReach voxels further on both sides than in the file; where there is none they
+/// are the largest. The time is the number `time` among the metadata of the grid or of the file. Throws
+/// IoError (not readable, damaged, or the program was built without OpenVDB: how to install it), InvalidInput
+/// (no such grid or several, a transform that is no uniform scale and translation, no surface, a lattice of
+/// more than 2^31 points).
 ImageFrame read_vdb(const std::filesystem::path& file);
 
 }  // namespace kappaflow

@@ -13,8 +13,8 @@ namespace {
 /// Throws InvalidInput for options that say how particles become a field.
 void refuse_particle_options(const TrackOptions& options, const std::string& name, InputKind kind) {
   const auto refuse = [&](const char* option) {
-    throw InvalidInput(fmt::format("{}: {} is for particles; these are {}", name, option,
-                                   name_of(kInputKinds, kind)));
+    throw InvalidInput(
+        fmt::format("{}: {} is for particles; these are {}", name, option, name_of(kInputKinds, kind)));
   };
   if (options.sigma) refuse("--sigma");
   if (options.threshold) refuse("--threshold");
@@ -32,8 +32,8 @@ class DistanceInput final : public TrackInput {
     if (surface_.methods.empty()) surface_.methods = {surface_.is_cloud ? "regional" : "material"};
     for (const char* method : {"material", "fresh-grid"})
       if (surface_.is_cloud && std::ranges::count(surface_.methods, method) > 0)
-        throw InvalidInput(fmt::format("{}: the velocity \"{}\" takes images with velocities; these have none",
-                                       series.name, method));
+        throw InvalidInput(fmt::format(
+            "{}: the velocity \"{}\" takes images with velocities; these have none", series.name, method));
     surface_.velocities = surface_methods_named(surface_.methods);
     surface_.name = series.name;
     surface_.edge_length = edge_length_in(length_scale(), options);

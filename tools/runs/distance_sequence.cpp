@@ -25,8 +25,7 @@ constexpr double kLargestMotion = 0.5;
 double mean_edge(const TriangleSurface& surface) {
   double sum = 0;
   for (const Triangle& t : surface.triangles)
-    for (int c = 0; c < 3; ++c)
-      sum += (surface.vertices[t[c]] - surface.vertices[t[(c + 1) % 3]]).norm();
+    for (int c = 0; c < 3; ++c) sum += (surface.vertices[t[c]] - surface.vertices[t[(c + 1) % 3]]).norm();
   return sum / (3 * static_cast<double>(surface.triangles.size()));
 }
 
@@ -49,9 +48,8 @@ bool is_positive_inside(const ImageFrame& image) {
 DistanceSequence::DistanceSequence(const FileSeries& series, InputKind kind,
                                    std::optional<double> frames_per_second,
                                    const std::function<void(std::size_t file)>& watch)
-    : frames_(kind == InputKind::images
-                  ? decltype(frames_)(ImageSequence(series, frames_per_second, watch))
-                  : decltype(frames_)(MeshSequence(series, frames_per_second, watch))) {
+    : frames_(kind == InputKind::images ? decltype(frames_)(ImageSequence(series, frames_per_second, watch))
+                                        : decltype(frames_)(MeshSequence(series, frames_per_second, watch))) {
   notes_ = std::visit([](const auto& frames) { return frames.notes(); }, frames_);
   if (const auto* images = std::get_if<ImageSequence>(&frames_)) {
     const ImageFrame first = images->frame(0);
@@ -82,7 +80,7 @@ DistanceMotion DistanceSequence::motion_from(std::size_t frame) {
   const Image before = frame > 0 ? image(frame - 1) : nullptr, from = image(frame), to = image(frame + 1),
               after = frame + 2 < size() ? image(frame + 2) : nullptr;
   DistanceMotion motion(from, to, before, after);
-  const double reach = -static_cast<double>(from->outside());
+  const double reach = std::min(from->reach(), to->reach());
   if (motion.displacement() > kLargestMotion * reach)
     throw InvalidInput(
         {series().files[frame + 1].string()},

@@ -49,7 +49,7 @@ class DistanceSequence {
   Vec3 origin_ = Vec3::Zero();  // of the first image [m]
   double spacing_ = 0;
   bool has_velocity_ = false, positive_inside_ = false;
-  std::vector<std::optional<double>> motion_;               // of meshes, from a frame to the next [m]
+  std::vector<std::optional<double>> motion_;         // of meshes, from a frame to the next [m]
   std::deque<std::pair<std::size_t, Image>> images_;  // those made last
 };
 

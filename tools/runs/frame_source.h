@@ -9,6 +9,7 @@
 
 #include "core/saved_state.h"
 #include "core/solids.h"
+#include "surface/field/particle_motion.h"
 #include "surface/measure/material_tracers.h"
 #include "surface/tracker/surface_group.h"
 #include "tools/io/particle_frame.h"

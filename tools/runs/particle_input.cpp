@@ -124,7 +124,8 @@ std::string ParticleInput::setup_text() const {
 /// A line where many particles have no surface: in a spray, or where a body is coarser than the others.
 std::string ParticleInput::warning(const FrameSource& frames) const {
   constexpr double kWorthSaying = 0.01;
-  const std::vector<Vec3>& position = static_cast<const SequenceFrames&>(frames).surfaces().particles().position;
+  const std::vector<Vec3>& position =
+      static_cast<const SequenceFrames&>(frames).surfaces().particles().position;
   const double share = static_cast<double>(points_outside(frames.surfaces().field(), position)) /
                        static_cast<double>(position.size());
   if (share < kWorthSaying) return {};

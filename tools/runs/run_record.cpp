@@ -53,8 +53,7 @@ Json::Value scene_record(const Scene& scene) {
 
 /// What every record says: the program, how it was called, and how surfaces are defined and tracked.
 Json::Value common_record(const std::vector<std::string>& command, int threads,
-                          const SurfaceDescription& surface, double sigma,
-                          std::optional<double> threshold) {
+                          const SurfaceDescription& surface, double sigma, std::optional<double> threshold) {
   Json::Value record;
   record["version"] = kVersion;
   record["build"] = build_description();

@@ -1,6 +1,7 @@
 // The frames of another program's particles.
 #pragma once
 
+#include "surface/tracker/tracked_surfaces.h"
 #include "tools/io/particle_sequence.h"
 #include "tools/runs/frame_source.h"
 

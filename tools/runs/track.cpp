@@ -29,8 +29,7 @@ std::string setup_text(const TrackInput& input) {
   std::string text = fmt::format("{}: {} files, {} ... {}\n", input.name(), files.size(),
                                  files.front().string(), files.back().string());
   for (const std::string& note : input.notes()) text += fmt::format("  {}\n", note);
-  return text + input.setup_text() +
-         fmt::format("  velocity {}\n", fmt::join(input.surface().methods, ", "));
+  return text + input.setup_text() + fmt::format("  velocity {}\n", fmt::join(input.surface().methods, ", "));
 }
 
 /// The files where anybody finds them, as a checkpoint has them.
@@ -51,8 +50,8 @@ RunSettings settings_for(const TrackOptions& options, const TrackInput& input) {
           .methods = input.surface().methods,
           .formats = options.formats,
           .quiet = options.quiet,
-          .save_beginning = [options, series = absolute(input.series()), hash = input.hash()](
-                                StateWriter& archive) { archive(options, series, hash); }};
+          .save_beginning = [options, series = absolute(input.series()),
+                             hash = input.hash()](StateWriter& archive) { archive(options, series, hash); }};
 }
 
 /// Reads and checks all files, and says so from the first second on.

@@ -20,9 +20,9 @@ class TrackInput {
   virtual ~TrackInput() = default;
 
   virtual const FileSeries& series() const = 0;
-  virtual const std::string& hash() const = 0;            ///< of all that is read, to recognise it by
+  virtual const std::string& hash() const = 0;                ///< of all that is read, to recognise it by
   virtual const std::vector<std::string>& notes() const = 0;  ///< what a user should know, a sentence each
-  virtual double time(std::size_t frame) const = 0;       ///< [s]
+  virtual double time(std::size_t frame) const = 0;           ///< [s]
 
   virtual const SurfaceDescription& surface() const = 0;  ///< how it is meshed and tracked
   virtual double length_scale() const = 0;                ///< sigma [m]
@@ -44,8 +44,8 @@ class TrackInput {
 /// Called before each file with its number from 0.
 using FileWatch = std::function<void(std::size_t file)>;
 
-/// Of particles, images of distances or meshes: input_kind() of its files. Throws what reading them throws, and
-/// InvalidInput for options that do not fit them.
+/// Of particles, images of distances or meshes: input_kind() of its files. Throws what reading them throws,
+/// and InvalidInput for options that do not fit them.
 std::unique_ptr<TrackInput> open_input(const FileSeries& series, const TrackOptions& options,
                                        const FileWatch& watch);
 
@@ -55,8 +55,8 @@ std::unique_ptr<TrackInput> particle_input(const FileSeries& series, const Track
 std::unique_ptr<TrackInput> distance_input(const FileSeries& series, const TrackOptions& options,
                                            const FileWatch& watch);
 
-/// The mesh's edge in length scales that options ask for. Throws InvalidInput where it is none that a mesh can
-/// have.
+/// The mesh's edge in length scales that options ask for. Throws InvalidInput where it is none that a mesh
+/// can have.
 double edge_length_in(double length_scale, const TrackOptions& options);
 
 }  // namespace kappaflow

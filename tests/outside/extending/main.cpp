@@ -1,9 +1,12 @@
 // Tracks the surface of a turning body by a velocity method of this program's own, with an array of its own;
-// and the surface of a field of its own.
+// the surface of a field of its own, and one that is known as images of its distance.
 #include <kappaflow/core/errors.h>
 #include <kappaflow/surface/mesh/mesh_measures.h>
+#include <kappaflow/surface/motion/normal.h>
+#include <kappaflow/surface/motion/regional.h>
 #include <kappaflow/surface/motion/velocity_methods.h>
 #include <kappaflow/surface/remesh/initial_mesh.h>
+#include <kappaflow/surface/tracker/surface_group.h>
 #include <kappaflow/surface/tracker/surface_tracker.h>
 #include <kappaflow/surface/tracker/tracked_surfaces.h>
 
@@ -13,6 +16,7 @@
 #include <cstdio>
 
 #include "height.h"
+#include "image.h"
 #include "ovals.h"
 
 using namespace kappaflow;
@@ -124,10 +128,40 @@ bool ovals_split(const char* method) {
          std::abs(volume / exact - 1) < 0.01;
 }
 
+/// Whether vertices turn with a body that is known by its distance alone.
+bool images_are_followed() {
+  constexpr double kInterval = 0.05;  // between images [s]
+  constexpr int kFrames = 11;
+  SurfaceOptions options;
+  options.velocities = {evaluate_regional, evaluate_normal};
+  options.edge_length = 0.25;
+  DistanceMotion beginning(image_of_box(0), image_of_box(kInterval));
+  FieldSurfaces surfaces(beginning.at(0), options);
+  for (int frame = 1; frame < kFrames; ++frame) {
+    const double t = frame * kInterval;
+    DistanceMotion motion(image_of_box(t - kInterval), image_of_box(t), image_of_box(t - 2 * kInterval),
+                          image_of_box(t + kInterval));
+    surfaces.step(motion);
+    surfaces.settle();
+  }
+
+  const Eigen::AngleAxisd turn((kFrames - 1) * kInterval, Vec3::UnitZ());
+  const auto mean_error = [&](const TriangleMesh& mesh) {
+    double sum = 0;
+    for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+      sum += (mesh.position[v] - turn * mesh.rest_position[v]).norm();
+    return sum / static_cast<double>(mesh.vertex_count());
+  };
+  const double regional = mean_error(surfaces.mesh(0)), normal = mean_error(surfaces.mesh(1));
+  std::printf("a box as images: %.4f m from its material by regional, %.4f m by normal\n", regional, normal);
+  return regional < 0.2 * normal;
+}
+
 int main() try {
   const bool heights = heights_stay(), temperatures = temperatures_stay(),
-             split = ovals_split("total") && ovals_split("curvature") && ovals_split("regional");
-  return heights && temperatures && split ? 0 : 1;
+             split = ovals_split("total") && ovals_split("curvature") && ovals_split("regional"),
+             followed = images_are_followed();
+  return heights && temperatures && split && followed ? 0 : 1;
 } catch (const Error& error) {
   std::fprintf(stderr, "height: error: %s\n", error.what());
   return error.exit_code();

@@ -62,6 +62,27 @@ TEST_F(ImageFiles, XmlIsReadAsVtkWritesIt) {
       }
 }
 
+TEST_F(ImageFiles, PiecesFillTheWhole) {
+  const auto piece = [](int first, int last) {
+    std::string values;
+    for (int k = 0; k < 4; ++k)
+      for (int j = 0; j < 4; ++j)
+        for (int i = first; i <= last; ++i) values += fmt::format("{} ", i + 10 * j + 100 * k);
+    return fmt::format(
+        "<Piece Extent=\"{} {} 0 3 0 3\"><PointData><DataArray type=\"Float32\" Name=\"phi\" "
+        "format=\"ascii\">{}</DataArray></PointData></Piece>",
+        first, last, values);
+  };
+  const std::string head = "<VTKFile type=\"ImageData\"><ImageData " + kUnitLattice + ">",
+                    tail = "</ImageData></VTKFile>";
+  const ImageFrame frame = read_text(head + piece(0, 1) + piece(1, 3) + tail);
+  ASSERT_EQ(frame.value.size(), 64u);
+  for (std::size_t i = 0; i < 64; ++i)
+    EXPECT_EQ(frame.value[i], static_cast<float>(i % 4 + 10 * (i / 4 % 4) + 100 * (i / 16))) << i;
+  EXPECT_EQ(error<IoError>(head + piece(0, 1) + piece(2, 3) + tail),
+            "is damaged or not complete (has 18 cells in its pieces and 27 in all)");
+}
+
 TEST_F(ImageFiles, LegacyFilesAreReadAsVtkWritesThem) {
   const auto image = small_image();
   add_array<vtkFloatArray>(*image->GetPointData(), "sdf", 210, 1);
@@ -164,6 +185,17 @@ TEST_F(ImageFiles, DamagedFilesAreSaid) {
             std::string::npos);
   EXPECT_EQ(message_of<InvalidInput>([&] { read_image(folder / "a.png"); }),
             (folder / "a.png").string() + ": unknown kind of image; expected .vti, .vtk or .vdb");
+}
+
+TEST_F(ImageFiles, WithoutOpenVdbItIsSaidHowToGetIt) {
+  const std::string file = (folder / "a.vdb").string();
+  const std::string message = message_of<IoError>([&] { read_image(file); });
+  if (message == file + ": there is no such file")
+    GTEST_SKIP() << "built with OpenVDB: see vdb_file_test.cpp";
+  EXPECT_EQ(message,
+            file +
+                ": this program was built without OpenVDB; tools/setup --openvdb installs it (Debian: "
+                "libopenvdb-dev), then run cmake --preset release and build again");
 }
 
 TEST_F(ImageFiles, DamagedLegacyFilesAreSaid) {
