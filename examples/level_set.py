@@ -23,8 +23,8 @@ import numpy as np
 
 HALF_WIDTHS = (0.9, 0.9, 0.675)  # of the box about the origin, 4 : 4 : 3 [m]
 RADIUS = 0.3  # of the drops [m]
-CENTRES = ((-0.36, 0.0, 0.06), (0.36, 0.0, -0.06))  # [m]
-STRAIN = 0.15  # along the axis [1/s]
+CENTRES = ((-0.32, 0.0, 0.03), (0.32, 0.0, -0.03))  # [m]
+STRAIN = 0.2  # along the axis [1/s]
 SPIN = 4.0  # angular velocity at the axis [rad/s]
 CORE = 0.45  # radius of the vortex [m]
 DURATION = 2.0  # [s]

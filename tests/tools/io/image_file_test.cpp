@@ -78,7 +78,7 @@ TEST_F(ImageFiles, PiecesFillTheWhole) {
   const ImageFrame frame = read_text(head + piece(0, 1) + piece(1, 3) + tail);
   ASSERT_EQ(frame.value.size(), 64u);
   for (std::size_t i = 0; i < 64; ++i)
-    EXPECT_EQ(frame.value[i], static_cast<float>(i % 4 + 10 * (i / 4 % 4) + 100 * (i / 16))) << i;
+    EXPECT_EQ(static_cast<std::size_t>(frame.value[i]), i % 4 + 10 * (i / 4 % 4) + 100 * (i / 16)) << i;
   EXPECT_EQ(error<IoError>(head + piece(0, 1) + piece(2, 3) + tail),
             "is damaged or not complete (has 18 cells in its pieces and 27 in all)");
 }

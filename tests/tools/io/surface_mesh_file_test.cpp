@@ -28,11 +28,11 @@ double volume_of(const MeshFrame& frame) {
   return area_and_volume(frame.surface.vertices, frame.surface.triangles).volume;
 }
 
-/// A cube of two units' edge as four quads and, at its top and bottom, two strips; with a time.
+/// A cube with edges of 2: four quads, strips at the top and the bottom; with a time.
 vtkSmartPointer<vtkPolyData> cube() {
   auto data = vtkSmartPointer<vtkPolyData>::New();
-  std::vector<Vec3> corners;
-  for (int i = 0; i < 8; ++i) corners.emplace_back(2 * (i & 1), i & 2, (i & 4) / 2);
+  std::vector<Vec3> corners(8);
+  for (int i = 0; i < 8; ++i) corners[i] = Vec3(2 * (i & 1), i & 2, (i & 4) / 2);
   data->SetPoints(make_points(corners));
   vtkNew<vtkCellArray> quads, strips;
   quads->InsertNextCell({0, 1, 5, 4});
