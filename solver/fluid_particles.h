@@ -75,6 +75,11 @@ struct FluidParticles {
   std::vector<Vec4f> gradient_sum;         ///< density's gradient in the particle's own position [1/m]
   std::vector<float> gradient_square_sum;  ///< sum_j |V grad W_ij|^2 [1/m2]
 
+  // What follows from them and the velocities while viscosity is solved for, and until the next step: see
+  // ViscousForces::find_viscosities(). Empty where every fluid is Newtonian.
+  std::vector<float> viscosity;       ///< kinematic [m2/s]
+  std::vector<float> wall_viscosity;  ///< the same at a wall, with its slip
+
   // Room for what a phase of a step needs while it runs; the next phase overwrites it.
   std::array<std::vector<Vec4f>, 3> scratch;
   std::vector<float> scalar_scratch;
@@ -91,7 +96,7 @@ struct FluidParticles {
   std::size_t bytes() const {
     return bytes_of(id, position, velocity, viscous_velocity, viscous_acceleration, density_pressure,
                     divergence_pressure, least_pressure, fluid, led_by, source, density, gradient_sum,
-                    gradient_square_sum, scratch[0], scratch[1], scratch[2], scalar_scratch);
+                    gradient_square_sum, viscosity, wall_viscosity, scratch[0], scratch[1], scratch[2], scalar_scratch);
   }
 
   /// Appends a particle without pressure; its id is the number of those before.

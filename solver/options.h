@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/types.h"
+#include "solver/rheology.h"
 
 namespace kappaflow {
 
@@ -46,6 +47,9 @@ struct FluidOptions {
   /// density. Between fluids of viscosities a and b the viscosity is their harmonic mean, 2 a b / (a + b):
   /// the shear stress across the interface is then continuous.
   std::vector<double> more_viscosities;
+  /// Of fluids 0, 1, ..., as far as it goes: the laws of those that are not Newtonian, in place of their
+  /// viscosities above.
+  std::vector<Rheology> rheologies;
   std::vector<Emitter> emitters;
   double surface_tension = 0;  ///< of all fluids against the air [N/m]; see surface_tension.h
   Vec3 gravity{0, -9.81, 0};   ///< [m/s2]
@@ -61,8 +65,13 @@ struct FluidOptions {
   int max_viscosity_iterations = 100;
 
   std::size_t fluids() const { return 1 + more_viscosities.size(); }
-  /// Kinematic, of fluid 0, 1, ... [m2/s].
+  /// Of fluid 0, 1, ...
+  Rheology rheology(std::size_t fluid) const {
+    return fluid < rheologies.size() ? rheologies[fluid] : Rheology();
+  }
+  /// Kinematic, of fluid 0, 1, ..., of one that is not Newtonian at rest [m2/s].
   double viscosity(std::size_t fluid) const {
+    if (!is_newtonian(rheology(fluid))) return viscosity_at(rheologies[fluid], 0);
     return fluid == 0 ? kinematic_viscosity : more_viscosities[fluid - 1];
   }
 };

@@ -35,6 +35,9 @@ void check_options(const FluidOptions& o) {
   require_fluid(o.fluids() <= 256, fmt::format("{} fluids; allowed: 256", o.fluids()));
   for (const double viscosity : o.more_viscosities)
     require_not_negative(viscosity, "kinematic viscosity of a further fluid");
+  require_fluid(o.rheologies.size() <= o.fluids(),
+                fmt::format("{} rheologies of {} fluids", o.rheologies.size(), o.fluids()));
+  for (const Rheology& law : o.rheologies) check_rheology(law);
   require_fluid(o.emitters.size() < 256, fmt::format("{} emitters; allowed: 255", o.emitters.size()));
   for (const Emitter& emitter : o.emitters) check_emitter(emitter, o.spacing, o.fluids());
   require_not_negative(o.surface_tension, "surface_tension");

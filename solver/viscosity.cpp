@@ -201,18 +201,15 @@ class ViscositySolver::ConjugateGradients {
   std::vector<Vec4f>&solution_, &residual_, &direction_, &image_;  // v, r, p, q
 };
 
-ViscositySolve ViscositySolver::solve(FluidParticles& particles, const NeighbourLists& lists,
-                                      const WallSums& walls, float time_step) {
-  if (forces_.none()) return {};
-  ConjugateGradients step(*this, preconditioner_, particles, lists, walls, time_step);
+/// The system of the viscosities as they are; result.iterations counts on.
+void ViscositySolver::solve_system(ConjugateGradients& step, double time_step, ViscositySolve& result) {
   Squares squares = step.begin();
   const auto precondition = [&] { return squares.block_energy + preconditioner_.solve(); };
-  ViscositySolve result;
   double energy = precondition(), first = energy, last = 0;
   float length = 0;
   for (;; ++result.iterations) {
     const double square = step.turn(last > 0 ? static_cast<float>(energy / last) : 0.0f);
-    const double target = tolerated(squares, static_cast<double>(time_step));
+    const double target = tolerated(squares, time_step);
     const double left = (length > 0 ? kLastLength * kLastLength : 1) * squared_error(energy, square);
     result.error = std::sqrt(left / std::max(target, std::numeric_limits<double>::min()));
     if (!(result.error > 1) || result.iterations == max_iterations_) break;
@@ -228,6 +225,24 @@ ViscositySolve ViscositySolver::solve(FluidParticles& particles, const Neighbour
     }
   }
   step.finish(length);
+  ++result.systems;
+}
+
+ViscositySolve ViscositySolver::solve(FluidParticles& particles, const NeighbourLists& lists,
+                                      const WallSums& walls, float time_step) {
+  if (forces_.none()) return {};
+  const auto find_viscosities = [&] {
+    forces_.find_viscosities(particles, lists, walls, particles.viscous_velocity);
+  };
+  if (forces_.vary()) find_viscosities();
+  ConjugateGradients step(*this, preconditioner_, particles, lists, walls, time_step);
+  ViscositySolve result;
+  solve_system(step, static_cast<double>(time_step), result);
+  for (int before = -1; forces_.vary() && result.iterations > before;) {
+    before = result.iterations;
+    find_viscosities();
+    solve_system(step, static_cast<double>(time_step), result);
+  }
   balance_.restore(preconditioner_, forces_, particles, lists, walls, time_step, particles.viscous_velocity);
   step.keep();
   return result;

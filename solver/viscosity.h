@@ -18,6 +18,7 @@ namespace kappaflow {
 /// How a viscosity solve ended.
 struct ViscositySolve {
   int iterations = 0;
+  int systems = 0;   ///< that were set up; more than one where the viscosity depends on the shear rate
   double error = 0;  ///< estimated error of the velocities over what is tolerated [1]; at most 1: converged
 };
 
@@ -32,6 +33,10 @@ struct ViscositySolve {
 /// with root mean squares of what viscosity has changed and of the liquid's own speed, or after
 /// max_viscosity_iterations. e^2 is estimated from above by r . M^-1 r / n, n particles; A >= 1, so that
 /// e . e <= e . A e = r . A^-1 r. See docs/viscosity.md.
+///
+/// Where a viscosity depends on the shear rate, A is that of the velocities found: it is set up and solved
+/// anew from them until that begins with an error that is tolerated (Picard's iteration; docs/materials.md).
+/// max_viscosity_iterations is the limit of all together.
 class ViscositySolver {
  public:
   explicit ViscositySolver(const FluidOptions& options);
@@ -51,6 +56,7 @@ class ViscositySolver {
   class ConjugateGradients;
   struct Squares;
 
+  void solve_system(ConjugateGradients& step, double time_step, ViscositySolve& result);
   double tolerated(const Squares& squares, double time_step) const;
 
   ViscousForces forces_;

@@ -2,10 +2,26 @@
 
 #include <algorithm>
 
+#include "core/parallel.h"
+#include "solver/shear_rate.h"
+
 namespace kappaflow {
 
+namespace {
+
+/// How far from a wall with the friction g (WallSums) a particle is: g = 1 / (spacing d). At most one
+/// spacing, for g vanishes there.
+float wall_distance(float friction, float spacing) {
+  return 1 / (spacing * std::max(friction, 1 / (spacing * spacing)));
+}
+
+}  // namespace
+
 ViscousForces::ViscousForces(const FluidOptions& options)
-    : weight_(static_cast<float>(2 * options.spacing)), fluids_(options.fluids()) {
+    : weight_(static_cast<float>(2 * options.spacing)),
+      spacing_(static_cast<float>(options.spacing)),
+      slip_(static_cast<float>(1 / (1 + options.slip_length / (kContactDistance * options.spacing)))),
+      fluids_(options.fluids()) {
   std::vector<double> kinematic;
   for (std::size_t fluid = 0; fluid < fluids_; ++fluid) kinematic.push_back(options.viscosity(fluid));
   const double contact = kContactDistance * options.spacing;
@@ -15,6 +31,40 @@ ViscousForces::ViscousForces(const FluidOptions& options)
     for (const double b : kinematic)
       pair_viscosity_.push_back(a + b > 0 ? static_cast<float>(2 * a * b / (a + b)) : 0);
   for (const float viscosity : pair_viscosity_) pair_scale_.push_back(weight_.scale() * viscosity);
+  if (std::ranges::all_of(options.rheologies, is_newtonian)) return;
+  for (std::size_t fluid = 0; fluid < fluids_; ++fluid) rheologies_.push_back(options.rheology(fluid));
+}
+
+void ViscousForces::find_viscosities(FluidParticles& particles, const NeighbourLists& lists,
+                                     const WallSums& walls, const std::vector<Vec4f>& v) {
+  const std::size_t n = particles.size();
+  particles.viscosity.resize(n);
+  particles.wall_viscosity.resize(n);
+  parallel_for(n, [&](std::size_t i) { find_viscosity(i, particles, lists, walls, v); });
+  for (std::size_t fluid = 0; fluid < fluids_; ++fluid)
+    if (!is_newtonian(rheologies_[fluid]))
+      pair_viscosity_[fluid * (fluids_ + 1)] = parallel_max(
+          n, 0.0f, [&](std::size_t i) { return particles.fluid[i] == fluid ? particles.viscosity[i] : 0; });
+}
+
+void ViscousForces::find_viscosity(std::size_t i, FluidParticles& particles, const NeighbourLists& lists,
+                                   const WallSums& walls, const std::vector<Vec4f>& v) const {
+  const std::uint8_t fluid = particles.fluid[i];
+  const Rheology& law = rheologies_[fluid];
+  float &own = particles.viscosity[i], &at_wall = particles.wall_viscosity[i];
+  own = viscosity(fluid);
+  at_wall = wall_viscosity_[fluid];
+  if (is_newtonian(law)) return;
+  const auto at_rate = [&](float rate) {
+    return static_cast<float>(viscosity_at(law, static_cast<double>(rate)));
+  };
+  own = at_rate(shear_rate(i, particles, lists, walls, v, spacing_, slip_));
+  if (!walls.touches(i)) return;
+  Vec4f u = v[i];
+  if (!walls.velocity.empty()) u -= without_fourth(walls.velocity[walls.contact[i]]);
+  const Vec4f friction = walls.friction[walls.contact[i]], n = without_fourth(friction);
+  const float along = (u - n.dot(u) * n).norm();
+  at_wall = slip_ * at_rate(slip_ * along / wall_distance(friction[3], spacing_));
 }
 
 bool ViscousForces::none() const {

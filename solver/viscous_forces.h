@@ -1,6 +1,7 @@
 // The linear map from the liquid's velocities to viscous accelerations.
 #pragma once
 
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -74,7 +75,15 @@ class ViscousForces {
   /// Whether no fluid is viscous.
   bool none() const;
   std::size_t fluids() const { return fluids_; }
-  float viscosity(std::size_t fluid) const { return pair_viscosity_[fluid * (fluids_ + 1)]; }  ///< [m2/s]
+  /// Of a fluid that is not Newtonian the largest of its particles [m2/s].
+  float viscosity(std::size_t fluid) const { return pair_viscosity_[fluid * (fluids_ + 1)]; }
+
+  /// Whether there are fluids that are not Newtonian.
+  bool vary() const { return !rheologies_.empty(); }
+  /// Finds the viscosities of all particles, for their shear rates in the flow v: nu_i from shear_rate(),
+  /// nu_i' from that between the particle and the wall. Precondition: vary().
+  void find_viscosities(FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,
+                        const std::vector<Vec4f>& v);
   /// Whether viscous forces can change the particle's velocity: it is viscous and not led.
   bool act_on(std::size_t i, const FluidParticles& particles) const {
     if (particles.led_by[i] != 0) return false;
@@ -95,23 +104,32 @@ class ViscousForces {
   Vec4f wall_drag(std::size_t i, const FluidParticles& particles, const WallSums& walls,
                   const Vec4f& u) const {
     if (!walls.touches(i)) return Vec4f::Zero();
-    return wall_viscosity_[particles.fluid[i]] * walls.drag(i, u);
+    return wall_viscosity(i, particles) * walls.drag(i, u);
   }
   /// f_i.
   Vec4f wall_drive(std::size_t i, const FluidParticles& particles, const WallSums& walls) const {
     if (!walls.touches(i)) return Vec4f::Zero();
-    return wall_viscosity_[particles.fluid[i]] * walls.drive(i);
+    return wall_viscosity(i, particles) * walls.drive(i);
   }
 
  private:
   /// Of a particle of `fluid` and the eight of the block.
   Wide pair_scales(std::uint8_t fluid, const FluidParticles& particles, const PairBlock& block) const;
+  /// The same of viscosities that vary.
+  Wide varying_scales(float viscosity, const FluidParticles& particles, const PairBlock& block) const;
+  float wall_viscosity(std::size_t i, const FluidParticles& particles) const {
+    return vary() ? particles.wall_viscosity[i] : wall_viscosity_[particles.fluid[i]];
+  }
+  void find_viscosity(std::size_t i, FluidParticles& particles, const NeighbourLists& lists,
+                      const WallSums& walls, const std::vector<Vec4f>& v) const;
 
   ViscosityWeight weight_;
+  float spacing_, slip_;  // slip: d / (d + slip length), d the contact distance
   std::size_t fluids_;
   std::vector<float> pair_viscosity_;  // kinematic, by i and j: the harmonic mean [m2/s]
   std::vector<float> pair_scale_;      // times the weight's scale
-  std::vector<float> wall_viscosity_;  // by i: the same times d / (d + slip length), d the contact distance
+  std::vector<float> wall_viscosity_;  // by i: the same times slip_
+  std::vector<Rheology> rheologies_;   // by fluid; empty if all are Newtonian
 };
 
 inline Wide ViscousForces::pair_scales(std::uint8_t fluid, const FluidParticles& particles,
@@ -123,6 +141,15 @@ inline Wide ViscousForces::pair_scales(std::uint8_t fluid, const FluidParticles&
   return result;
 }
 
+inline Wide ViscousForces::varying_scales(float viscosity, const FluidParticles& particles,
+                                          const PairBlock& block) const {
+  Wide other;
+  for (int k = 0; k < kWide; ++k)
+    other[k] = particles.viscosity[block.base + block.offset[static_cast<std::size_t>(k)]];
+  constexpr float least = std::numeric_limits<float>::min();
+  return 2 * weight_.scale() * ((viscosity * other) / (viscosity + other).max(least));
+}
+
 template <class Visit>
 inline void ViscousForces::for_pairs(std::size_t i, const FluidParticles& particles,
                                      const NeighbourLists& lists, const Visit& visit) const {
@@ -132,7 +159,10 @@ inline void ViscousForces::for_pairs(std::size_t i, const FluidParticles& partic
     const WideVec xj = gather(particles.position, block);
     const Wide x = xi[0] - xj.x, y = xi[1] - xj.y, z = xi[2] - xj.z;
     const Wide r2 = x * x + y * y + z * z;
-    if (fluids_ > 1) scale = pair_scales(particles.fluid[i], particles, block);
+    if (vary())
+      scale = varying_scales(particles.viscosity[i], particles, block);
+    else if (fluids_ > 1)
+      scale = pair_scales(particles.fluid[i], particles, block);
     const Wide weight = scale * block.present() * weight_.shape(r2);
     visit(block, WideVec{x, y, z, r2}, weight, xj);
   }

@@ -78,13 +78,19 @@ void ViscousPressure::spread(FluidParticles& particles, const NeighbourLists& li
   });
 }
 
+float ViscousPressure::resistance(std::size_t i, const FluidParticles& particles) const {
+  const float at_rest = resistance_[particles.fluid[i]];
+  if (particles.viscosity.empty()) return at_rest;
+  return std::min(at_rest, static_cast<float>(kBulk) * particles.viscosity[i]);
+}
+
 void ViscousPressure::measure(FluidParticles& particles, const NeighbourLists& lists,
                               const WallSums& walls) const {
   auto& notes = noted(particles);
   parallel_for(particles.size(), [&](std::size_t i) {
-    const float resistance = resistance_[particles.fluid[i]];
-    const bool free = resistance > 0 && particles.led_by[i] == 0 && !walls.touches(i);
-    const float correction = free ? resistance * notes[i][0] : 0;
+    const bool thick = resistance_[particles.fluid[i]] > 0;
+    const bool free = thick && particles.led_by[i] == 0 && !walls.touches(i);
+    const float correction = free ? resistance(i, particles) * notes[i][0] : 0;
     notes[i] = {correction, free ? 1.0f : 0.0f, 0, 0};
   });
   // Thin liquid gives way at once: beside it, compression says nothing of the pressure in the thick one.

@@ -51,9 +51,12 @@ class ViscousPressure {
   void correct(FluidParticles& particles) const;
 
  private:
+  /// kBulk nu of a particle, 0: thin [m2/s].
+  float resistance(std::size_t i, const FluidParticles& particles) const;
+
   float spacing_;
   bool needed_ = false;
-  std::vector<float> resistance_;  // by fluid: kBulk nu, 0: thin [m2/s]
+  std::vector<float> resistance_;  // by fluid: kBulk nu, of liquid that is not Newtonian at rest
 };
 
 }  // namespace kappaflow

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "tests/dense.h"
+#include "tests/solver/dense_system.h"
 #include "tests/solver/liquid.h"
 #include "tests/solver/shapes.h"
 
@@ -44,32 +45,9 @@ Liquid blob_near_wall() {
   return Liquid(points, swirling(points), kSpacing, wall);
 }
 
-/// I + dt L as a dense matrix, column by column.
-Eigen::MatrixXd dense_system(const Liquid& liquid, const ViscositySolver& solver) {
-  const std::size_t n = liquid.particles.size();
-  Eigen::MatrixXd matrix(3 * n, 3 * n);
-  std::vector<Vec4f> image;
-  for (std::size_t column = 0; column < 3 * n; ++column) {
-    std::vector<Vec4f> unit(n, Vec4f::Zero());
-    unit[column / 3][static_cast<Eigen::Index>(column % 3)] = 1;
-    solver.apply(liquid.particles, liquid.lists, liquid.wall_sums, kTimeStep, unit, image);
-    for (std::size_t i = 0; i < n; ++i)
-      matrix.block<3, 1>(3 * static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(column)) =
-          image[i].head<3>().cast<double>();
-  }
-  return matrix;
-}
-
-Eigen::VectorXd stacked(const std::vector<Vec4f>& u) {
-  Eigen::VectorXd v(3 * u.size());
-  for (std::size_t i = 0; i < u.size(); ++i)
-    v.segment<3>(3 * static_cast<Eigen::Index>(i)) = u[i].head<3>().cast<double>();
-  return v;
-}
-
 TEST(Viscosity, SystemIsSymmetricAndPositiveDefinite) {
   const Liquid liquid = blob_near_wall();
-  const Eigen::MatrixXd matrix = dense_system(liquid, ViscositySolver(options(1, 1e-3)));
+  const Eigen::MatrixXd matrix = test::dense_system(liquid, kTimeStep, ViscositySolver(options(1, 1e-3)));
   EXPECT_LT((matrix - matrix.transpose()).cwiseAbs().maxCoeff(), 1e-5 * matrix.cwiseAbs().maxCoeff());
   const Eigen::VectorXd eigenvalues = testing::eigenvalues(matrix);
   EXPECT_GT(eigenvalues.minCoeff(), 1 - 1e-4);
@@ -79,19 +57,19 @@ TEST(Viscosity, SystemIsSymmetricAndPositiveDefinite) {
 TEST(Viscosity, SolvesTheSystemAsADenseSolver) {
   Liquid liquid = blob_near_wall();
   ViscositySolver solver(options(1, 1e-5));
-  const Eigen::VectorXd expected =
-      testing::least_squares(dense_system(liquid, solver), stacked(liquid.particles.velocity));
+  const Eigen::VectorXd expected = testing::least_squares(test::dense_system(liquid, kTimeStep, solver),
+                                                          test::stacked(liquid.particles.velocity));
   const int iterations = solver.solve(liquid.particles, liquid.lists, liquid.wall_sums, kTimeStep).iterations;
   EXPECT_GT(iterations, 3);
-  EXPECT_LT((stacked(liquid.particles.velocity) - expected).norm(), 1e-4 * expected.norm());
+  EXPECT_LT((test::stacked(liquid.particles.velocity) - expected).norm(), 1e-4 * expected.norm());
 }
 
 // What gravity adds in a step is the scale: the liquid's speeds and their change are larger.
 TEST(Viscosity, ErrorFollowsTheTolerance) {
   Liquid start = blob_near_wall();
-  const Eigen::VectorXd before = stacked(start.particles.velocity);
+  const Eigen::VectorXd before = test::stacked(start.particles.velocity);
   const Eigen::VectorXd exact =
-      testing::least_squares(dense_system(start, ViscositySolver(options(1, 1))), before);
+      testing::least_squares(test::dense_system(start, kTimeStep, ViscositySolver(options(1, 1))), before);
   const double n = static_cast<double>(start.particles.size());
   const double scale = 9.81 * static_cast<double>(kTimeStep) * std::sqrt(n);
   ASSERT_GT((before - exact).norm(), scale);
@@ -100,7 +78,7 @@ TEST(Viscosity, ErrorFollowsTheTolerance) {
     const ViscositySolve solve = ViscositySolver(options(1, tolerance))
                                      .solve(liquid.particles, liquid.lists, liquid.wall_sums, kTimeStep);
     EXPECT_LE(solve.error, 1);
-    const double error = (stacked(liquid.particles.velocity) - exact).norm();
+    const double error = (test::stacked(liquid.particles.velocity) - exact).norm();
     EXPECT_LT(error, tolerance * scale) << tolerance;
     EXPECT_GT(error, 0.02 * tolerance * scale) << tolerance << ": more exact than was asked for";
   }
