@@ -155,8 +155,9 @@ double energy_to_give(const Scene& scene, const FluidParticlesAtStart& start, co
 
 /// Of the thinnest fluid.
 double reynolds_of(const Scene& scene, const Flow& flow) {
-  double viscosity = scene.fluid.kinematic_viscosity;
-  for (const double other : scene.fluid.more_viscosities) viscosity = std::min(viscosity, other);
+  double viscosity = scene.fluid.viscosity(0);
+  for (std::size_t fluid = 1; fluid < scene.fluid.fluids(); ++fluid)
+    viscosity = std::min(viscosity, scene.fluid.viscosity(fluid));
   return std::sqrt(2 * flow.energy) * flow.depth / std::max(viscosity, 1e-12);
 }
 
@@ -313,8 +314,9 @@ double topology_seconds(double smooth, double torn, const Scene& scene, const Fl
 /// With the time of setting up in units of an iteration's.
 double viscous_iterations(double step, const Scene& scene) {
   const double h = scene.fluid.spacing;
-  double viscosity = scene.fluid.kinematic_viscosity;
-  for (const double other : scene.fluid.more_viscosities) viscosity = std::max(viscosity, other);
+  double viscosity = 0;
+  for (std::size_t fluid = 0; fluid < scene.fluid.fluids(); ++fluid)
+    viscosity = std::max(viscosity, scene.fluid.viscosity(fluid));
   if (!(viscosity > 0)) return 0;
   const double needed =
       std::min(kFewestViscous + kMoreViscous * std::sqrt(viscosity * step) / h, kMostViscous);

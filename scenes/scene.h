@@ -60,7 +60,7 @@ struct FluidBlock {
   std::variant<BoxShape, SphereShape, MeshShape> shape;
   Vec3 velocity{0, 0, 0};  ///< [m/s]
   SourcePosition where;    ///< where the scene's file describes it
-  std::uint8_t fluid = 0;  ///< index of its viscosity, see FluidOptions
+  std::uint8_t fluid = 0;  ///< which fluid, see FluidOptions
 };
 /// A rigid wall.
 struct Wall {
@@ -97,6 +97,7 @@ struct Scene {
   std::string title;
   double duration = 0;  ///< [s]
   FluidOptions fluid;
+  std::vector<std::string> materials;  ///< by fluid: the name of its material; empty where it has a viscosity
   std::vector<FluidBlock> blocks;
   std::vector<SourcePosition> emitters_where;  ///< where the scene's file describes fluid.emitters
   std::vector<Wall> walls;

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "scenes/materials.h"
 #include "scenes/scene.h"
-#include "scenes/toml_reader.h"
 #include "solver/boundary_sampling.h"
 #include "solver/emitter.h"
 #include "surface/tracker/surface_methods.h"
@@ -16,15 +16,13 @@ namespace {
 
 // Bounds that no sensible scene meets; they keep what is computed from the numbers finite in single
 // precision.
-constexpr double kMaxLength = 1e6;     // [m]
-constexpr double kMaxSpeed = 1e4;      // [m/s]
-constexpr double kMaxDensity = 1e6;    // [kg/m3]
-constexpr double kMaxViscosity = 1e9;  // [m2/s]
-constexpr double kMaxTension = 1e6;    // [N/m]
-constexpr double kMaxTime = 1e6;       // [s]
+constexpr double kMaxLength = 1e6;   // [m]
+constexpr double kMaxSpeed = 1e4;    // [m/s]
+constexpr double kMaxDensity = 1e6;  // [kg/m3]
+constexpr double kMaxTension = 1e6;  // [N/m]
+constexpr double kMaxTime = 1e6;     // [s]
 constexpr double kMaxFrames = 1e6;
 constexpr int kMaxIterations = 100000;
-constexpr std::size_t kMaxFluidNumber = 255;
 
 NumberRange length() {
   return positive("m", kMaxLength);
@@ -69,36 +67,6 @@ MeshShape read_mesh(TomlTable& t) {
   return mesh;
 }
 
-/// kinematic_viscosity [m2/s], or dynamic_viscosity [Pa s] over the density; nothing where neither is given.
-std::optional<double> read_viscosity(TomlTable& t, double density) {
-  const bool dynamic = t.has("dynamic_viscosity"), kinematic = t.has("kinematic_viscosity");
-  if (dynamic && kinematic)
-    t.refuse("dynamic_viscosity", "either kinematic_viscosity or dynamic_viscosity, not both");
-  if (dynamic) return t.number("dynamic_viscosity", non_negative("Pa s", kMaxViscosity)) / density;
-  if (kinematic) return t.number("kinematic_viscosity", non_negative("m2/s", kMaxViscosity));
-  return std::nullopt;
-}
-
-/// The fluids of a scene while its tables are read; number 0 is that of [fluid].
-struct Fluids {
-  FluidOptions& options;
-
-  /// The number of the fluid whose viscosity the table states.
-  std::uint8_t read(TomlTable& t) {
-    const std::optional<double> viscosity = read_viscosity(t, options.density);
-    if (!viscosity || *viscosity == options.kinematic_viscosity) return 0;
-    std::vector<double>& more = options.more_viscosities;
-    const auto known = std::ranges::find(more, *viscosity);
-    const auto number = static_cast<std::size_t>(known - more.begin()) + 1;
-    if (number > kMaxFluidNumber)
-      throw InvalidInput(
-          t.where(), fmt::format("the scene has more than {} different viscosities; allowed: at most as many",
-                                 kMaxFluidNumber + 1));
-    if (known == more.end()) more.push_back(*viscosity);
-    return static_cast<std::uint8_t>(number);
-  }
-};
-
 FluidBlock read_block(TomlTable t, Fluids& fluids) {
   enum class Kind { box, sphere, mesh };
   static constexpr Named<Kind> kKinds[] = {
@@ -141,7 +109,7 @@ Emitter read_emitter(TomlTable t, Fluids& fluids) {
   emitter.fluid = fluids.read(t);
   t.finish();
   try {
-    check_emitter(emitter, fluids.options.spacing, fluids.options.fluids());
+    check_emitter(emitter, fluids.options().spacing, fluids.options().fluids());
   } catch (const InvalidInput& error) {
     throw InvalidInput(t.where(), error.what());
   }
@@ -227,11 +195,12 @@ void check_thickness(const Wall& wall, double spacing) {
                     kThinnestWall, allowed));
 }
 
-void read_fluid(TomlTable t, Scene& scene) {
+void read_fluid(TomlTable t, std::vector<TomlTable> materials, Scene& scene) {
   FluidOptions& fluid = scene.fluid;
   fluid.spacing = t.number("spacing", length());
   fluid.density = t.number("density", positive("kg/m3", kMaxDensity), fluid.density);
-  const std::optional<double> viscosity = read_viscosity(t, fluid.density);
+  Fluids fluids(fluid, scene.materials, std::move(materials));
+  const bool has_liquid = fluids.read_first(t);
   fluid.slip_length = t.number_or("free", "slip_length", non_negative("m", kMaxLength), fluid.slip_length)
                           .value_or(std::numeric_limits<double>::infinity());
   fluid.surface_tension =
@@ -239,14 +208,12 @@ void read_fluid(TomlTable t, Scene& scene) {
   fluid.gravity = t.vector("gravity", "m/s2", fluid.gravity);
   std::vector<TomlTable> emitters = t.tables("emitter"), blocks = t.tables("block", emitters.empty());
   t.finish();
-  if (!viscosity)
+  if (!has_liquid)
     throw InvalidInput(t.where(),
                        "missing the viscosity in [fluid]; required: either kinematic_viscosity [m2/s] or "
-                       "dynamic_viscosity [Pa s]");
-  fluid.kinematic_viscosity = *viscosity;
+                       "dynamic_viscosity [Pa s], or a material");
   if (fluid.gravity.norm() > kMaxSpeed)
     t.refuse("gravity", fmt::format("at most {} m/s2 in length", kMaxSpeed));
-  Fluids fluids{fluid};
   for (TomlTable& table : blocks) scene.blocks.push_back(read_block(std::move(table), fluids));
   for (TomlTable& table : emitters) {
     scene.emitters_where.push_back(table.where());
@@ -356,10 +323,10 @@ Scene parse_scene(const std::string& text, const std::filesystem::path& file) {
   scene.duration = root.number("duration", positive("s", kMaxTime));
   TomlTable fluid = root.table("fluid", true), solver = root.table("solver"), surface = root.table("surface"),
             output = root.table("output");
-  std::vector<TomlTable> walls = root.tables("wall");
+  std::vector<TomlTable> materials = root.tables("material"), walls = root.tables("wall");
   root.finish();
 
-  read_fluid(std::move(fluid), scene);
+  read_fluid(std::move(fluid), std::move(materials), scene);
   for (TomlTable& wall : walls) scene.walls.push_back(read_wall(std::move(wall)));
   for (const Wall& wall : scene.walls) check_thickness(wall, scene.fluid.spacing);
   read_solver(std::move(solver), scene.fluid);

@@ -75,6 +75,10 @@ class TomlTable {
                               const std::vector<double>& fallback);
   /// An array of one or more such strings.
   std::vector<std::string> texts(std::string_view key);
+  /// Which of `allowed` a string is. Precondition: has(key).
+  std::size_t place(std::string_view key, std::span<const std::string_view> allowed) {
+    return *name_index(key, allowed, true);
+  }
   /// Distinct strings, each one of `allowed`.
   std::vector<std::string> names(std::string_view key, std::span<const std::string_view> allowed,
                                  const std::vector<std::string>& fallback);

@@ -92,6 +92,55 @@ TEST(GoodScenes, ViscositiesBecomeFluids) {
   EXPECT_EQ(fluids, (std::vector<int>{0, 1, 0, 1, 2}));
 }
 
+/// The law of a scene's fluid that is of this material; density 2000 kg/m3.
+Rheology law_of(const std::string& keys) {
+  return load_scene(temporary_file("material.toml",
+                                   "duration = 1.0\n[fluid]\nspacing = 0.5\ndensity = 2000.0\n"
+                                   "material = \"it\"\n[[material]]\nname = \"it\"\n" +
+                                       keys +
+                                       "[[fluid.block]]\nshape = \"box\"\nlower = [0, 0, 0]\n"
+                                       "upper = [1, 1, 1]\n"))
+      .fluid.rheology(0);
+}
+
+TEST(GoodScenes, MaterialsBecomeLaws) {
+  EXPECT_TRUE(is_newtonian(law_of("model = \"newtonian\"\ndynamic_viscosity = 8.0\n")));
+  const auto power =
+      std::get<HerschelBulkley>(law_of("model = \"power-law\"\nconsistency = 4.0\nindex = 0.4\n"));
+  EXPECT_EQ(Vec3(power.yield_stress, power.consistency, power.index), Vec3(0, 0.002, 0.4));
+  EXPECT_EQ(power.regularisation, HerschelBulkley().regularisation);
+  const auto bingham = std::get<HerschelBulkley>(
+      law_of("model = \"bingham\"\nyield_stress = 6.0\nplastic_viscosity = 4.0\nregularisation = 9\n"));
+  EXPECT_EQ(Vec3(bingham.yield_stress, bingham.consistency, bingham.index), Vec3(0.003, 0.002, 1));
+  EXPECT_EQ(bingham.regularisation, 9);
+  const auto carreau =
+      std::get<Carreau>(law_of("model = \"carreau\"\nzero_shear_viscosity = 8.0\ntime_constant = 3.0\n"
+                               "infinite_shear_viscosity = 2.0\nindex = 0.2\n"));
+  EXPECT_EQ(Vec3(carreau.at_rest, carreau.sheared, carreau.time), Vec3(0.004, 0.001, 3));
+  EXPECT_EQ(carreau.index, 0.2);
+  const auto cross = std::get<Cross>(
+      law_of("model = \"cross\"\nzero_shear_viscosity = 8.0\ntime_constant = 3.0\nexponent = 0.7\n"));
+  EXPECT_EQ(Vec3(cross.at_rest, cross.sheared, cross.time), Vec3(0.004, 0, 3));
+  EXPECT_EQ(cross.exponent, 0.7);
+}
+
+// Newtonian ones are told apart by their viscosities, the others by their names.
+TEST(GoodScenes, MaterialsAreFluids) {
+  const std::string block = "[[fluid.block]]\nshape = \"sphere\"\nradius = 0.6\ncenter = ";
+  const std::string mud = "\"\nmodel = \"bingham\"\nyield_stress = 5.0\nplastic_viscosity = 1.0\n";
+  const std::string text =
+      "duration = 1.0\n[fluid]\nspacing = 0.5\nkinematic_viscosity = 1.0\n" + block +
+      "[0, 0, 0]\nmaterial = \"mud\"\n" + block + "[4, 0, 0]\nmaterial = \"water\"\n" + block +
+      "[8, 0, 0]\nmaterial = \"clay\"\n" + block + "[12, 0, 0]\nmaterial = \"mud\"\n" +
+      "[[material]]\nname = \"mud" + mud + "[[material]]\nname = \"clay" + mud +
+      "[[material]]\nname = \"water\"\nmodel = \"newtonian\"\nkinematic_viscosity = 1.0\n";
+  const Scene scene = load_scene(temporary_file("materials.toml", text));
+  std::vector<int> fluids;
+  for (const FluidBlock& b : scene.blocks) fluids.push_back(b.fluid);
+  EXPECT_EQ(fluids, (std::vector<int>{1, 0, 2, 1}));
+  EXPECT_EQ(scene.materials, (std::vector<std::string>{"", "mud", "clay"}));
+}
+
 TEST(GoodScenes, EmitterAloneIsAScene) {
   const std::string text =
       "duration = 1.0\n[fluid]\nspacing = 0.1\nkinematic_viscosity = 1.0\n"
@@ -115,7 +164,16 @@ TEST(GoodScenes, EveryKeyArrives) {
   EXPECT_DOUBLE_EQ(fluid.kinematic_viscosity, 2.0);  // 2400 Pa s / 1200 kg/m3
   EXPECT_EQ(fluid.slip_length, 0.05);
   EXPECT_EQ(fluid.surface_tension, 0.05);
-  EXPECT_EQ(fluid.more_viscosities, (std::vector<double>{7, 0.1}));
+  ASSERT_EQ(fluid.fluids(), 4u);
+  EXPECT_EQ(fluid.viscosity(1), 7);
+  EXPECT_EQ(scene.materials, (std::vector<std::string>{"", "", "paste", ""}));
+  const auto paste = std::get<HerschelBulkley>(fluid.rheology(2));
+  EXPECT_DOUBLE_EQ(paste.yield_stress, 0.02);  // over 1200 kg/m3
+  EXPECT_DOUBLE_EQ(paste.consistency, 0.01);
+  EXPECT_EQ(paste.index, 0.5);
+  EXPECT_EQ(paste.regularisation, 25);
+  EXPECT_DOUBLE_EQ(fluid.viscosity(2), 0.02 * 25 + 0.01 * 5);
+  EXPECT_DOUBLE_EQ(fluid.viscosity(3), 0.1);
   ASSERT_EQ(fluid.emitters.size(), 1u);
   const Emitter& emitter = fluid.emitters[0];
   EXPECT_EQ(std::get<RectangleMouth>(emitter.mouth).width, 0.8);
@@ -127,7 +185,7 @@ TEST(GoodScenes, EveryKeyArrives) {
   EXPECT_EQ(emitter.start, 0.1);
   EXPECT_EQ(emitter.end, 0.7);
   EXPECT_EQ(emitter.max_particles, 500u);
-  EXPECT_EQ(emitter.fluid, 2);
+  EXPECT_EQ(emitter.fluid, 3);
   EXPECT_EQ(emitter.source, 3) << "after the three blocks";
   EXPECT_EQ(fluid.gravity, Vec3(0, 0, -9));
   EXPECT_EQ(fluid.cfl, 0.3);
@@ -140,6 +198,7 @@ TEST(GoodScenes, EveryKeyArrives) {
   EXPECT_EQ(fluid.max_viscosity_iterations, 52);
   ASSERT_EQ(scene.blocks.size(), 3u);
   EXPECT_EQ(scene.blocks[1].fluid, 1);
+  EXPECT_EQ(scene.blocks[2].fluid, 2);
   EXPECT_EQ(std::get<MeshShape>(scene.blocks[2].shape).scale, 2);
   EXPECT_EQ(std::get<MeshShape>(scene.blocks[2].shape).translation, Vec3(-4, 0, 0));
   EXPECT_EQ(std::get<BoxShape>(scene.blocks[0].shape).upper, Vec3(1, 1, 1));
@@ -157,7 +216,7 @@ TEST(GoodScenes, EveryKeyArrives) {
   EXPECT_EQ(mesh.file, source_file("tests/data/meshes/cube.obj"));
   EXPECT_EQ(mesh.scale, 0.5);
   EXPECT_EQ(mesh.translation, Vec3(0, 5, 0));
-  EXPECT_EQ(scene.walls[2].where.line, 60);
+  EXPECT_EQ(scene.walls[2].where.line, 61);
   EXPECT_TRUE(scene.walls[2].motion.at_rest());
   EXPECT_EQ(std::get<SphereShape>(scene.walls[3].shape).radius, 1.5);
   const auto& cylinder = std::get<CylinderShape>(scene.walls[4].shape);

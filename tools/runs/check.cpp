@@ -39,29 +39,37 @@ struct ShapeText {
   std::string operator()(const MeshShape& mesh) const { return fmt::format("mesh {}", mesh.file.string()); }
 };
 
-/// Of a fluid that is not the scene's first.
-std::string viscosity_text(std::uint8_t number, const FluidOptions& fluid) {
-  if (number == 0) return "";
-  return fmt::format(", kinematic viscosity {:.4g} m2/s", fluid.viscosity(number));
+std::string viscosity_text(std::size_t number, const Scene& scene) {
+  const double viscosity = scene.fluid.viscosity(number);
+  if (is_newtonian(scene.fluid.rheology(number)))
+    return fmt::format(", kinematic viscosity {:.4g} m2/s", viscosity);
+  return fmt::format(", material {}, kinematic viscosity {:.4g} m2/s at rest", scene.materials[number],
+                     viscosity);
 }
 
-std::string emitter_line(const Emitter& emitter, const FluidOptions& fluid) {
+/// Of a fluid that is not the scene's first.
+std::string other_viscosity_text(std::uint8_t number, const Scene& scene) {
+  return number == 0 ? "" : viscosity_text(number, scene);
+}
+
+std::string emitter_line(const Emitter& emitter, const Scene& scene) {
+  const FluidOptions& fluid = scene.fluid;
   const double layer = static_cast<double>(emitter_layer(emitter, fluid.spacing).size());
-  return fmt::format(
-      "    emitter at {} m, {:.4g} m/s towards {}, {:.4g} m3/s ({} particles a layer){}\n",
-      vector_text(emitter.position), emitter.speed, vector_text(emitter.direction.normalized()),
-      layer * fluid.spacing * fluid.spacing * emitter.speed, layer, viscosity_text(emitter.fluid, fluid));
+  return fmt::format("    emitter at {} m, {:.4g} m/s towards {}, {:.4g} m3/s ({} particles a layer){}\n",
+                     vector_text(emitter.position), emitter.speed,
+                     vector_text(emitter.direction.normalized()),
+                     layer * fluid.spacing * fluid.spacing * emitter.speed, layer,
+                     other_viscosity_text(emitter.fluid, scene));
 }
 
 std::string liquid_lines(const Scene& scene) {
   const FluidOptions& fluid = scene.fluid;
-  std::string text =
-      fmt::format("  liquid    spacing {:.4g} m, density {:.6g} kg/m3, kinematic viscosity {:.4g} m2/s\n",
-                  fluid.spacing, fluid.density, fluid.kinematic_viscosity);
+  std::string text = fmt::format("  liquid    spacing {:.4g} m, density {:.6g} kg/m3{}\n", fluid.spacing,
+                                 fluid.density, viscosity_text(0, scene));
   for (const FluidBlock& block : scene.blocks)
     text += fmt::format("    block   {}, moving at {} m/s{}\n", std::visit(ShapeText(), block.shape),
-                        vector_text(block.velocity), viscosity_text(block.fluid, fluid));
-  for (const Emitter& emitter : scene.fluid.emitters) text += emitter_line(emitter, fluid);
+                        vector_text(block.velocity), other_viscosity_text(block.fluid, scene));
+  for (const Emitter& emitter : scene.fluid.emitters) text += emitter_line(emitter, scene);
   for (const Wall& wall : scene.walls)
     text += fmt::format("    wall    {}{}\n", std::visit(ShapeText(), wall.shape),
                         wall.motion.at_rest() ? "" : ", moving");

@@ -1,0 +1,45 @@
+// What a scene says of its liquids: viscosities, and materials that tables of fluid name.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "scenes/toml_reader.h"
+#include "solver/options.h"
+
+namespace kappaflow {
+
+/// What a table states of its liquid.
+struct Material {
+  std::string name;      ///< empty: a viscosity
+  double viscosity = 0;  ///< kinematic, at rest [m2/s]
+  Rheology law;
+};
+
+/// The fluids of a scene while its tables are read; number 0 is that of [fluid]. Those whose viscosity does
+/// not depend on the shear rate are told apart by its value, the others by their names.
+class Fluids {
+ public:
+  /// tables: of [[material]]; their dynamic viscosities and stresses are divided by options.density. Throws
+  /// InvalidInput.
+  Fluids(FluidOptions& options, std::vector<std::string>& names, std::vector<TomlTable> tables);
+
+  /// Reads kinematic_viscosity, dynamic_viscosity or material of [fluid]. False where none is there.
+  bool read_first(TomlTable& t);
+  /// The number of the fluid that the table states, 0 where it states none.
+  std::uint8_t read(TomlTable& t);
+
+  const FluidOptions& options() const { return options_; }
+
+ private:
+  std::optional<Material> stated(TomlTable& t) const;
+  std::optional<std::size_t> find(const Material& material) const;
+  void add(const Material& material);
+
+  FluidOptions& options_;
+  std::vector<std::string>& names_;  // by fluid
+  std::vector<Material> materials_;
+};
+
+}  // namespace kappaflow
