@@ -8,6 +8,7 @@
 #include "core/errors.h"
 #include "core/suggestion.h"
 #include "core/version.h"
+#include "tools/experiments/channel_flow.h"
 #include "tools/experiments/coiling.h"
 #include "tools/experiments/conservation.h"
 #include "tools/experiments/dam_break.h"
@@ -22,6 +23,7 @@
 #include "tools/experiments/paper_map.h"
 #include "tools/experiments/plane_flow.h"
 #include "tools/experiments/rigid_figures.h"
+#include "tools/experiments/slump.h"
 #include "tools/experiments/validation.h"
 #include "tools/io/files.h"
 #include "tools/runs/progress.h"
@@ -183,6 +185,14 @@ std::span<const Experiment> experiments() {
                  "a thread coils on a plate: frequency of a slender thread (Ribe 2004)", validate_coiling},
       Experiment{"validate-folding", "experiments/validate-folding.toml",
                  "a strip folds on a plate: frequency of a slender strip (Ribe 2003)", validate_folding},
+      Experiment{"validate-power-law", "experiments/validate-power-law.toml",
+                 "plane Poiseuille flow of a power-law liquid", validate_power_law},
+      Experiment{"validate-bingham", "experiments/validate-bingham.toml",
+                 "plane Poiseuille flow of a Bingham liquid: profile and plug", validate_bingham},
+      Experiment{"validate-carreau", "experiments/validate-carreau.toml",
+                 "plane Couette flow of a Carreau liquid under a Newtonian one", validate_carreau},
+      Experiment{"validate-slump", "experiments/validate-slump.toml",
+                 "a cylinder of a Bingham liquid slumps: its final height", validate_slump},
       Experiment{"validate-drop", "experiments/validate-drop.toml",
                  "a spinning drop: linear and angular momentum", validate_drop},
       Experiment{"validate-basin", "experiments/validate-basin.toml",

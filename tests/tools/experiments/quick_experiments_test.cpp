@@ -284,6 +284,31 @@ TEST_F(QuickExperiment, ValidateCouette) {
   EXPECT_LT(value({{"layers", "8"}}, "early_error"), 0.05);
 }
 
+TEST_F(QuickExperiment, ValidatePowerLaw) {
+  run("validate-power-law");
+  EXPECT_LT(value({{"layers", "8"}}, "error"), 0.21);
+  EXPECT_LE(value({{"layers", "8"}}, "viscosity_error"), 1);
+}
+
+TEST_F(QuickExperiment, ValidateBingham) {
+  run("validate-bingham");
+  EXPECT_LT(value({{"layers", "8"}}, "error"), 0.31);
+  EXPECT_NEAR(value({{"layers", "8"}}, "plug"), 0.4, 0.25);
+  EXPECT_LE(value({{"layers", "8"}}, "viscosity_error"), 1);
+}
+
+TEST_F(QuickExperiment, ValidateCarreau) {
+  run("validate-carreau");
+  EXPECT_LT(value({{"layers", "8"}}, "error"), 0.034);
+}
+
+TEST_F(QuickExperiment, ValidateSlump) {
+  run("validate-slump");
+  EXPECT_NEAR(value({{"yield_stress", "0.15"}}, "slump"), value({{"yield_stress", "0.15"}}, "known_slump"),
+              0.07);
+  EXPECT_LT(value({{"yield_stress", "0.15"}}, "creep"), 0.005);
+}
+
 TEST_F(QuickExperiment, ValidateHydrostatic) {
   run("validate-hydrostatic");
   for (const char* error : {"pressure_error", "slope_error", "fluctuation"})
