@@ -8,7 +8,7 @@ equations that does not change in time: it turns fastest at its axis, z, draws l
 A flow as smooth as that keeps drops apart for ever; on a grid they merge once the gap is thinner than a cell, as they do in
 every such solver.
 
-It writes PHI_0000.vti and so on: `phi` [m], the time [s], and with --velocity the flow as well [m/s]. They can be tracked:
+It writes phi_0000.vti and so on: `phi` [m], the time [s], and with --velocity the flow as well [m/s]. They can be tracked:
 
     python3 examples/level_set.py --out out/level_set
     kappaflow track 'out/level_set/phi_*.vti' --out out/tracked

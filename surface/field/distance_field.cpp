@@ -183,27 +183,44 @@ std::array<GridSpline, 3> velocities_of(const std::array<DistanceMotion::Image, 
   return result;
 }
 
-/// See DistanceMotion::displacement().
-double displacement_between(const DistanceImage& from, const DistanceImage& to) {
-  const RegularGrid& grid = from.f().grid();
-  const double near = grid.spacing.maxCoeff(), dt = to.time() - from.time();
-  std::vector<double> found;
+/// The points of an image next to its surface.
+std::vector<Vec3> points_at_surface(const DistanceImage& image) {
+  const RegularGrid& grid = image.f().grid();
+  const double near = grid.spacing.maxCoeff();
+  std::vector<Vec3> points;
   for (int k = GridSpline::kMargin; k < grid.dims[2] - GridSpline::kMargin; ++k)
     for (int j = GridSpline::kMargin; j < grid.dims[1] - GridSpline::kMargin; ++j)
-      for (int i = GridSpline::kMargin; i < grid.dims[0] - GridSpline::kMargin; ++i) {
-        const double f = from.f().coefficient(i, j, k);
-        if (std::abs(f) > near) continue;
-        const Vec3 x = grid.point(i, j, k);
-        double motion = std::abs(to.f().at<0>(x)[0] - from.f().at<0>(x)[0]);
-        if (from.has_velocity()) {
-          Vec3 velocity;
-          for (int a = 0; a < 3; ++a) velocity[a] = from.velocity()[a].at<0>(x)[0];
-          motion = std::max(motion, dt * velocity.norm());
-        }
-        found.push_back(motion);
-      }
-  constexpr double kShare = 0.999;
-  return found.empty() ? 0 : quantile(found, kShare);
+      for (int i = GridSpline::kMargin; i < grid.dims[0] - GridSpline::kMargin; ++i)
+        if (std::abs(image.f().coefficient(i, j, k)) <= near) points.push_back(grid.point(i, j, k));
+  return points;
+}
+
+constexpr double kShareOfMotion = 0.999;
+
+/// See DistanceMotion::displacement().
+double displacement_between(const DistanceImage& from, const DistanceImage& to,
+                            std::span<const Vec3> points) {
+  constexpr double kVanished = 0.1, kCutOff = 0.98;
+  std::vector<double> found, beyond;
+  for (const Vec3& x : points) {
+    const double f = to.f().at<0>(x)[0], motion = std::abs(f - from.f().at<0>(x)[0]);
+    (std::abs(f) < kCutOff * to.reach() ? found : beyond).push_back(motion);
+  }
+  if (static_cast<double>(beyond.size()) > kVanished * static_cast<double>(points.size()))
+    found.insert(found.end(), beyond.begin(), beyond.end());
+  return found.empty() ? 0 : quantile(found, kShareOfMotion);
+}
+
+/// See DistanceMotion::material_displacement().
+double material_displacement_of(const DistanceImage& from, double dt, std::span<const Vec3> points) {
+  if (!from.has_velocity() || points.empty()) return 0;
+  std::vector<double> found;
+  for (const Vec3& x : points) {
+    Vec3 velocity;
+    for (int a = 0; a < 3; ++a) velocity[a] = from.velocity()[a].at<0>(x)[0];
+    found.push_back(dt * velocity.norm());
+  }
+  return quantile(found, kShareOfMotion);
 }
 
 }  // namespace
@@ -294,11 +311,15 @@ std::optional<std::vector<std::array<int, 3>>> DistanceField::occupied_cubes(con
   const Bounds box = bounds();
   std::array<int, 3> cubes;
   for (int a = 0; a < 3; ++a) cubes[a] = std::max(0, lattice.dims[a] - 2) / cells + 1;
-  std::vector<std::array<int, 3>> found;
+  std::vector<std::array<int, 3>> all, found;
   for (int k = 0; k < cubes[2]; ++k)
     for (int j = 0; j < cubes[1]; ++j)
-      for (int i = 0; i < cubes[0]; ++i) {
-        const Vec3 lower = lattice.origin + lattice.spacing * cells * Vec3(i, j, k);
+      for (int i = 0; i < cubes[0]; ++i) all.push_back({i, j, k});
+  std::vector<char> is_occupied(all.size());
+  parallel_for(
+      all.size(),
+      [&](std::size_t c) {
+        const Vec3 lower = lattice.origin + lattice.spacing * cells * Vec3(all[c][0], all[c][1], all[c][2]);
         const Vec3 upper = lower + Vec3::Constant(lattice.spacing * cells);
         std::array<int, 3> first, last;
         for (int a = 0; a < 3; ++a) {
@@ -306,16 +327,24 @@ std::optional<std::vector<std::array<int, 3>>> DistanceField::occupied_cubes(con
           first[a] = static_cast<int>(std::floor(point(std::max(lower[a], box.lower[a]))));
           last[a] = static_cast<int>(std::ceil(point(std::min(upper[a], box.upper[a]))));
         }
-        if (f_.upper_bound(first, last) > 0) found.push_back({i, j, k});
-      }
+        is_occupied[c] = f_.upper_bound(first, last) > 0;
+      },
+      8);
+  for (std::size_t c = 0; c < all.size(); ++c)
+    if (is_occupied[c] != 0) found.push_back(all[c]);
   return found;
 }
 
 DistanceMotion::DistanceMotion(Image from, Image to, Image before, Image after)
     : images_{std::move(before), std::move(from), std::move(to), std::move(after)} {
+  if (images_[1] == nullptr || images_[2] == nullptr)
+    throw InvalidInput("a motion of images takes two of them at least");
   const DistanceImage* last = nullptr;
   for (const Image& image : images_) {
     if (image == nullptr) continue;
+    const RegularGrid &first = images_[1]->f().grid(), &grid = image->f().grid();
+    if (grid.origin != first.origin || grid.spacing != first.spacing)
+      throw InvalidInput("the grids of images have different origins or spacings");
     if (last != nullptr && !(last->time() < image->time()))
       throw InvalidInput(
           fmt::format("an image at {} s after one at {} s; times must ascend", image->time(), last->time()));
@@ -324,7 +353,9 @@ DistanceMotion::DistanceMotion(Image from, Image to, Image before, Image after)
           fmt::format("of the images at {} s and at {} s one has velocities", last->time(), image->time()));
     last = image.get();
   }
-  displacement_ = displacement_between(*images_[1], *images_[2]);
+  const std::vector<Vec3> points = points_at_surface(*images_[1]);
+  displacement_ = displacement_between(*images_[1], *images_[2], points);
+  material_displacement_ = material_displacement_of(*images_[1], t1() - t0(), points);
 }
 
 std::shared_ptr<const Field> DistanceMotion::at(double t) {
@@ -334,8 +365,9 @@ std::shared_ptr<const Field> DistanceMotion::at(double t) {
     if (field->time() == t) return field;
   const TimeWeights weights(images_, t);
   const double spacing = images_[1]->f().grid().spacing.maxCoeff(), dt = t1() - t0();
-  const double fastest =
-      std::max(kFasterThanNormal * displacement_, kLeastMotion * DistanceField::kLengthScale * spacing) / dt;
+  const double fastest = std::max({kFasterThanNormal * displacement_, material_displacement_,
+                                   kLeastMotion * DistanceField::kLengthScale * spacing}) /
+                         dt;
   fields_.push_back(std::make_shared<DistanceField>(sum_of(images_, weights.value),
                                                     sum_of(images_, weights.rate),
                                                     velocities_of(images_, weights.value), fastest, t));

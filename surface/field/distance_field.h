@@ -80,7 +80,8 @@ class DistanceMotion final : public FieldMotion {
   using Image = std::shared_ptr<const DistanceImage>;
 
   /// before, after: the images around them; null where the series begins or ends. Throws InvalidInput unless
-  /// their times ascend, and for images with velocities beside others without.
+  /// their times ascend and their grids have one origin and spacing, and for images with velocities beside
+  /// others without.
   DistanceMotion(Image from, Image to, Image before = nullptr, Image after = nullptr);
 
   double t0() const override { return images_[1]->time(); }
@@ -89,13 +90,16 @@ class DistanceMotion final : public FieldMotion {
   std::shared_ptr<const Field> at(double t) override;
   void forget_before(double t) override;
 
-  /// How far the surface moves from t0 to t1 [m]: along its normal, and with the material where that is
-  /// known; all but a thousandth of it. 0 where there is none.
+  /// How far the surface moves along its normal from t0 to t1 [m], all but a thousandth of it; 0 where there
+  /// is none. What is further away at t1 than its distances reach has no say where it is less than a tenth:
+  /// it has vanished.
   double displacement() const { return displacement_; }
+  /// How far the material does there, as far as velocities are known [m].
+  double material_displacement() const { return material_displacement_; }
 
  private:
   std::array<Image, 4> images_;  // the first and the last may be null
-  double displacement_ = 0;
+  double displacement_ = 0, material_displacement_ = 0;
   std::vector<std::shared_ptr<const DistanceField>> fields_;  // those asked for so far
 };
 

@@ -9,6 +9,7 @@
 
 #include "core/errors.h"
 #include "core/parallel.h"
+#include "core/whole_within.h"
 
 namespace kappaflow {
 namespace {
@@ -52,11 +53,11 @@ struct AxisWeights {
   std::array<std::array<double, kSupport>, Degree + 1> order;
 
   AxisWeights(double x, double origin, double spacing, int offset, int points) {
-    const double u = std::clamp((x - origin) / spacing - offset, double{GridSpline::kMargin},
-                                double(points - 1 - GridSpline::kMargin));
-    const int cell = std::min(static_cast<int>(u), points - 2 - GridSpline::kMargin);
+    constexpr int kFirst = GridSpline::kMargin;
+    const double u = (x - origin) / spacing - offset;
+    const int cell = whole_within(std::floor(u), kFirst, points - 2 - kFirst);
     first = cell - 2;
-    const double t = u - cell, rate = 1 / spacing;
+    const double t = std::clamp(u - cell, 0.0, 1.0), rate = 1 / spacing;
     order[0] = basis_derivative<kDegree, 0>(t);
     if constexpr (Degree >= 1) order[1] = scaled(basis_derivative<kDegree, 1>(t), rate);
     if constexpr (Degree >= 2) order[2] = scaled(basis_derivative<kDegree, 2>(t), rate * rate);

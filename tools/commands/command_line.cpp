@@ -52,20 +52,24 @@ void add_range(CLI::App& track, FileRange& range) {
 }  // namespace
 
 void add_track(CLI::App& app, CommandLine& line) {
-  CLI::App* track = app.add_subcommand("track", "Track the surface of particles that another program wrote");
-  CLI::Option* files = track->add_option("FILES", line.track.inputs,
-                                         "Particles, a file a frame (.vtk, .vtp, .vtu, .bgeo, .hdf5, .csv): "
-                                         "names, a pattern in quotes, a folder, "
-                                         "or a .pvd");
+  CLI::App* track = app.add_subcommand(
+      "track", "Track the surface of particles, images or meshes that another program wrote");
+  CLI::Option* files =
+      track->add_option("FILES", line.track.inputs,
+                        "A file a frame: particles (.vtk, .vtp, .vtu, .bgeo, .hdf5, .csv), images of "
+                        "signed distances (.vti, .vtk, .vdb) or closed meshes (.obj, .ply, "
+                        ".stl, .vtp, .vtk); names, a pattern in quotes, a folder, or a .pvd");
   CLI::Option* resume =
-      add_resume(*track, line.track.resume, "; FILES: where the particles are now, if elsewhere");
+      add_resume(*track, line.track.resume, "; FILES: where the files are now, if elsewhere");
   track->add_option("--out", line.track.folder, "Folder for the results (default: out/<name of the files>)");
   add_methods(*track, "--velocity", line.track.methods,
               "Methods (default: material; regional where neither velocities nor ids are known)");
   add_positive(*track, "--fps", line.track.frames_per_second,
                "Frames a second, where the files hold no times");
-  add_positive(*track, "--sigma", line.track.sigma,
-               "Radius of a particle's field in metres (default: 2 particle spacings)");
+  add_positive(
+      *track, "--sigma", line.track.sigma,
+      "Radius of a particle's field in metres (default: 2 particle spacings; of images and meshes sigma is "
+      "4 spacings of their grid)");
   add_positive(*track, "--threshold", line.track.threshold,
                "Value of the field at its surface (default: half its median at the particles)");
   add_range(*track, line.track.range);
@@ -119,6 +123,7 @@ void add_track(CLI::App& app, CommandLine& line) {
   track->footer(method_lines() + "\n" +
                 footer("kappaflow track 'frames/*.vtk' --velocity regional --fps 25 --out out/tracked\n"
                        "  kappaflow track particles.pvd --frames 100:240:2 --edge 0.005 --metrics 0\n"
+                       "  kappaflow track 'level_set/phi_*.vti' --out out/tracked\n"
                        "  kappaflow track --resume out/tracked"));
 }
 

@@ -205,6 +205,7 @@ void judge(const SteadyProfile& exact, const std::vector<ChannelResult>& results
   if (exact.plug > 0) report.statements.push_back(judged(kPlugIsAsWide, plugs));
   if (results.size() < 3 || !(exact.spread > 0)) return;
   std::vector<Vec2> by_spacing;
+  by_spacing.reserve(results.size());
   for (const ChannelResult& r : results) by_spacing.emplace_back(1.0 / r.layers, r.error);
   report.statements.push_back(judged(
       kChannelConverges, {at_least("steady", fit_power_law(by_spacing).exponent, kLeastChannelOrder)}));

@@ -83,10 +83,10 @@ void judge(const std::vector<SlumpResult>& results, Report& report) {
 }  // namespace
 
 Report validate_slump(const ExperimentContext& context) {
-  Scene scene = load_scene(context.file);
+  const Scene whole = load_scene(context.file);
   const std::vector<double> yields =
       context.options.quick ? std::vector{0.15} : std::vector{0.1, 0.15, 0.2, 0.3};
-  if (context.options.quick) scene = with_spacing(scene, 1.5 * scene.fluid.spacing);
+  const Scene scene = with_spacing(whole, (context.options.quick ? 1.5 : 1.0) * whole.fluid.spacing);
   std::vector<SlumpResult> results;
   std::vector<std::vector<double>> rows, heights;
   Plot plot{"Height at the axis", "t [s]", "height / H", {}};
@@ -113,7 +113,8 @@ Report validate_slump(const ExperimentContext& context) {
       "of "
       "{:.3g} m.",
       context.file.filename().string(), scene.duration, scene.fluid.spacing);
-  if (context.options.quick) report.introduction += " Quick: one yield stress and a coarser spacing.";
+  add_smaller(report, "spacing", spacings_text(scene, std::vector{1.0}),
+              spacings_text(whole, std::vector{1.0}));
   judge(results, report);
   add_plots(report, context, context.name, std::vector{plot}, "Heights, and the final ones of the relation.");
   report.files = {"summary.csv", "heights.csv"};

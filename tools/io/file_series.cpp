@@ -18,6 +18,7 @@
 #include "core/errors.h"
 #include "core/parse_number.h"
 #include "core/text_scanner.h"
+#include "tools/io/input_frame.h"
 #include "tools/io/input_kind.h"
 #include "tools/io/pvd_reader.h"
 
@@ -82,11 +83,16 @@ std::string with_literal_folders(const fs::path& pattern) {
   return escaped;
 }
 
-/// The files in a folder that may be frames.
+/// The files in a folder that may be frames: those that may be particles where there are any, for walls may
+/// lie beside them as meshes.
 std::vector<std::string> files_in(const fs::path& folder) {
-  std::vector<std::string> files;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
-    if (entry.is_regular_file() && is_input_file(entry.path())) files.push_back(entry.path().string());
+  std::vector<std::string> files, particles;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (!entry.is_regular_file()) continue;
+    if (is_input_file(entry.path())) files.push_back(entry.path().string());
+    if (is_particle_file(entry.path())) particles.push_back(entry.path().string());
+  }
+  if (!particles.empty()) files = particles;
   if (files.empty())
     throw InvalidInput(fmt::format("{}: there are no frames in this folder (expected {})", folder.string(),
                                    kInputFileKinds));

@@ -24,12 +24,13 @@ std::string ending_of(const fs::path& file) {
   return lower_case(file.extension().string());
 }
 
-/// Whether a section of that name begins in a legacy file, after numbers that may be binary.
+/// Whether a section of that name with anything in it begins in a legacy file, after numbers that may be
+/// binary.
 bool has_section(std::string_view bytes, const std::string& name) {
   const std::string start = "\n" + name + " ";
   for (std::size_t at = bytes.find(start); at != std::string_view::npos; at = bytes.find(start, at)) {
     at += start.size();
-    if (at < bytes.size() && bytes[at] >= '0' && bytes[at] <= '9') return true;
+    if (at < bytes.size() && bytes[at] >= '1' && bytes[at] <= '9') return true;
   }
   return false;
 }
@@ -71,16 +72,6 @@ InputKind input_kind(const fs::path& file) {
   if (std::ranges::count(kMeshEndings, ending) > 0) return InputKind::meshes;
   if (ending == ".vtk") return kind_of_legacy(file);
   return ending == ".vtp" ? kind_of_vtp(file) : InputKind::particles;
-}
-
-InputKind input_kind(std::span<const fs::path> files) {
-  const InputKind first = input_kind(files.front());
-  for (const fs::path& file : files.subspan(1))
-    if (const InputKind kind = input_kind(file); kind != first)
-      throw InvalidInput({file.string()}, fmt::format("holds {}; {} holds {}: a sequence is of one kind",
-                                                      name_of(kInputKinds, kind), files.front().string(),
-                                                      name_of(kInputKinds, first)));
-  return first;
 }
 
 bool is_input_file(const fs::path& file) {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <span>
 
 #include "core/named.h"
 
@@ -20,10 +19,6 @@ inline constexpr Named<InputKind> kInputKinds[] = {
 /// or strips, else particles. Throws IoError where it must be read and cannot be, InvalidInput for other
 /// endings.
 InputKind input_kind(const std::filesystem::path& file);
-
-/// The kind of all of the files, of which there is one at least. Throws what input_kind() throws, and
-/// InvalidInput where a file is of another kind than the first.
-InputKind input_kind(std::span<const std::filesystem::path> files);
 
 /// Whether the ending of the name is one of those.
 bool is_input_file(const std::filesystem::path& file);

@@ -158,7 +158,11 @@ class ImageReader : public VtkXmlReader {
         Index at;
         for (std::size_t c = 0; c < 3; ++c)
           at[c] = static_cast<std::size_t>(piece.extent.first[c] - whole_.first[c]);
-        place(*like(first, piece.data.*arrays), (piece.extent.*size)(), at, whole, all.values);
+        const Index part = (piece.extent.*size)();
+        // A piece of a single plane counts as one cell thick, which at the image's end is beyond it.
+        for (std::size_t c = 0; c < 3; ++c)
+          if (at[c] + part[c] > whole[c]) throw InvalidInput("a piece has cells beyond the whole extent");
+        place(*like(first, piece.data.*arrays), part, at, whole, all.values);
       }
       (image_.*arrays).push_back(std::move(all));
     }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -27,7 +28,8 @@ void DistanceFrames::prepare(int frame) {
 
 bool DistanceFrames::advance(int /*frame*/, const Watch& watch) {
   constexpr int kMostSteps = 1000;
-  const double steps = motion_->displacement() / (motion_per_step_ * surfaces_.length_scale());
+  const double way = std::max(motion_->displacement(), motion_->material_displacement());
+  const double steps = way / (motion_per_step_ * surfaces_.length_scale());
   const int count = whole_within(std::ceil(steps), 1, kMostSteps);
   const std::string detail = fmt::format("{} steps a frame", count);
   const bool arrived = surfaces_.step(*motion_, count, [&](FieldMotion& step) {

@@ -46,6 +46,9 @@ class DistanceInput final : public TrackInput {
   const SurfaceDescription& surface() const override { return surface_; }
   double length_scale() const override { return DistanceField::kLengthScale * sequence_.spacing(); }
   std::optional<double> threshold() const override { return std::nullopt; }
+  void check_motion() override {
+    for (std::size_t k = 0; k + 1 < size(); ++k) sequence_.motion_from(k);
+  }
   std::unique_ptr<FrameSource> frames(bool with_tracers) override {
     return std::make_unique<DistanceFrames>(sequence_, surface_, with_tracers);
   }
@@ -61,9 +64,8 @@ class DistanceInput final : public TrackInput {
 
 }  // namespace
 
-std::unique_ptr<TrackInput> distance_input(const FileSeries& series, const TrackOptions& options,
-                                           const FileWatch& watch) {
-  const InputKind kind = input_kind(series.files);
+std::unique_ptr<TrackInput> distance_input(const FileSeries& series, InputKind kind,
+                                           const TrackOptions& options, const FileWatch& watch) {
   refuse_particle_options(options, series.name, kind);
   return std::make_unique<DistanceInput>(series, kind, options, watch);
 }

@@ -16,11 +16,13 @@
 
 namespace kappaflow {
 
-/// Images are taken as they are, those of .vdb files on one grid for all. A mesh's distances are taken on a
-/// grid as fine as the first mesh is, so far away that they say how it moves from frame to frame.
+/// Images are taken as they are, those of .vdb files on one grid for all. The distances of meshes are taken
+/// on a grid as fine as the first mesh is, so far away that they say how the surface moves from frame to
+/// frame, in whatever frame it moves most.
 class DistanceSequence {
  public:
-  /// kind: images or meshes. Reads and checks all files, as FrameSequence does.
+  /// kind: images or meshes. Reads and checks all files, as FrameSequence does. Throws InvalidInput where the
+  /// first image has nothing inside, and for meshes that pass through themselves.
   DistanceSequence(const FileSeries& series, InputKind kind, std::optional<double> frames_per_second,
                    const std::function<void(std::size_t file)>& watch);
 
@@ -39,17 +41,17 @@ class DistanceSequence {
  private:
   using Image = DistanceMotion::Image;
 
+  void take_images(const ImageSequence& images);
+  void take_meshes(const MeshSequence& meshes);
   Image image(std::size_t frame);
-  Image make_image(const ImageFrame& frame, double time) const;
-  Image make_image(const MeshSequence& meshes, std::size_t frame);
-  double mesh_motion(const MeshSequence& meshes, std::size_t frame);
+  Image make_image(ImageFrame frame, double time) const;
 
   std::variant<ImageSequence, MeshSequence> frames_;
   std::vector<std::string> notes_;
   Vec3 origin_ = Vec3::Zero();  // of the first image [m]
   double spacing_ = 0;
   bool has_velocity_ = false, positive_inside_ = false;
-  std::vector<std::optional<double>> motion_;         // of meshes, from a frame to the next [m]
+  double reach_ = 0;                                  // of meshes' distances [m]
   std::deque<std::pair<std::size_t, Image>> images_;  // those made last
 };
 

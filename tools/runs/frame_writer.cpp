@@ -85,7 +85,10 @@ void FrameWriter::write(int frame, FrameSource& source, RunSummary& summary) {
     metrics.isosurface = isosurface->metrics;
   }
   write_walls(report);
-  if (const ParticleFieldOptions* field = source.particle_field()) write_particles(report, *field);
+  if (const ParticleFieldOptions* field = source.particle_field()) {
+    metrics.particles_outside = points_outside(surfaces_.field(), report.particles.particles.position);
+    write_particles(report, *field);
+  }
   const double shared_seconds = watch.seconds();
 
   const double memory = resident_memory();

@@ -118,8 +118,9 @@ double edge_length_in(double length_scale, const TrackOptions& options) {
 
 std::unique_ptr<TrackInput> open_input(const FileSeries& series, const TrackOptions& options,
                                        const FileWatch& watch) {
-  return input_kind(series.files) == InputKind::particles ? particle_input(series, options, watch)
-                                                          : distance_input(series, options, watch);
+  const InputKind kind = input_kind(series.files.front());
+  return kind == InputKind::particles ? particle_input(series, options, watch)
+                                      : distance_input(series, kind, options, watch);
 }
 
 int track(const TrackOptions& options) {

@@ -1,4 +1,5 @@
-// `kappaflow track`: tracks the surface of particles that another program wrote.
+// `kappaflow track`: tracks the surface of particles that another program wrote, or surfaces that it has as
+// images of their distance or as meshes.
 #pragma once
 
 #include <filesystem>
@@ -49,9 +50,9 @@ struct TrackOptions {
 
 /// Tracks a sequence and writes a run folder, with a checkpoint after every frame; or goes on with a run from
 /// its last frame as if it had never stopped: all files but run.json and timings.csv are the same bits. The
-/// particles are all read and checked before anything is written. SIGINT and SIGTERM end it after the current
-/// step. Returns the exit code: 0, or 130 or 143 after a signal. Throws InvalidInput for particles that are
-/// not those that the run began with.
+/// files are all read and checked before anything is written. SIGINT and SIGTERM end it after the current
+/// step. Returns the exit code: 0, or 130 or 143 after a signal. Throws InvalidInput for files that are not
+/// those that the run began with.
 int track(const TrackOptions& options);
 
 }  // namespace kappaflow

@@ -9,6 +9,7 @@
 
 #include "scenes/scene.h"
 #include "tools/io/file_series.h"
+#include "tools/io/input_kind.h"
 #include "tools/runs/frame_source.h"
 #include "tools/runs/track.h"
 
@@ -44,16 +45,16 @@ class TrackInput {
 /// Called before each file with its number from 0.
 using FileWatch = std::function<void(std::size_t file)>;
 
-/// Of particles, images of distances or meshes: input_kind() of its files. Throws what reading them throws,
-/// and InvalidInput for options that do not fit them.
+/// Of particles, images of distances or meshes: input_kind() of the first file. Throws what reading them
+/// throws, and InvalidInput for options that do not fit them.
 std::unique_ptr<TrackInput> open_input(const FileSeries& series, const TrackOptions& options,
                                        const FileWatch& watch);
 
 /// Parts of it.
 std::unique_ptr<TrackInput> particle_input(const FileSeries& series, const TrackOptions& options,
                                            const FileWatch& watch);
-std::unique_ptr<TrackInput> distance_input(const FileSeries& series, const TrackOptions& options,
-                                           const FileWatch& watch);
+std::unique_ptr<TrackInput> distance_input(const FileSeries& series, InputKind kind,
+                                           const TrackOptions& options, const FileWatch& watch);
 
 /// The mesh's edge in length scales that options ask for. Throws InvalidInput where it is none that a mesh
 /// can have.

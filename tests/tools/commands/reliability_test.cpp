@@ -10,6 +10,7 @@
 
 #include "core/stopwatch.h"
 #include "surface/tracker/surface_methods.h"
+#include "tests/tools/distance_files.h"
 #include "tests/tools/everything_scene.h"
 #include "tests/tools/full_disk.h"
 #include "tests/tools/program.h"
@@ -172,6 +173,23 @@ TEST_F(TrackReliability, StoppedRunsGoOnToTheSameBits) {
   EXPECT_EQ(again.out, fmt::format("{}: the run is complete, {} frames\n", complete, kFrames));
 }
 
+TEST_F(Reliability, StoppedRunsOnImagesGoOnToTheSameBits) {
+  fs::create_directory(folder / "in");
+  for (int k = 0; k < 16; ++k)
+    file(fmt::format("in/phi_{}.vti", k), vti_of(image_of_box(0.03 * k, false), 0.03 * k));
+  const auto words = [&](const fs::path& out) -> std::vector<std::string> {
+    return {"track", (folder / "in").string(), "--out", out.string(), "--velocity", "regional"};
+  };
+  const double whole = run_whole(words(folder / "whole"));
+  std::mt19937 random(4);
+  const fs::path out = folder / "stopped";
+  for (int stops = 0; stops == 0;) {
+    fs::remove_all(out);
+    stops = run_with_stops(words(out), out, SIGTERM, whole, random);
+  }
+  expect_same_results(folder / "whole", out);
+}
+
 TEST_F(TrackReliability, OtherParticlesAreNotResumed) {
   const fs::path out = stopped_track(), last = folder / fmt::format("in/p_{}.csv", kFrames - 1);
   const std::string text = bytes_of(last);
@@ -180,8 +198,8 @@ TEST_F(TrackReliability, OtherParticlesAreNotResumed) {
   std::ofstream(last) << csv_text(other, true, true);
   const ProgramResult changed = run_program({"track", "--resume", out.string()});
   EXPECT_EQ(changed.exit_code, 2);
-  EXPECT_EQ(changed.err, "kappaflow: error: p: the files are not those that the run in " + out.string() +
-                             " began with\n");
+  EXPECT_EQ(changed.err,
+            "kappaflow: error: p: the files are not those that the run in " + out.string() + " began with\n");
   fs::remove(last);
   const ProgramResult missing = run_program({"track", "--resume", out.string()});
   EXPECT_EQ(missing.exit_code, 5);

@@ -34,10 +34,12 @@ TEST(EnrightDistances, AreTracked) {
   for (std::size_t m = 0; m < methods.size(); ++m) {
     const TriangleMesh& mesh = surfaces.mesh(m);
     const ShapeError error = shape.error(mesh);
-    std::printf("%s vertices %zu volume %g shape %g %g vertex %g\n", methods[m].c_str(), mesh.vertex_count(),
-                area_and_volume(mesh.position, mesh.triangles).volume /
-                    (4.0 / 3 * std::numbers::pi * std::pow(EnrightFlow::kRadius, 3)),
-                error.vertex_mean, error.shape_max, vertex_error(mesh, end).mean);
+    const double volume = area_and_volume(mesh.position, mesh.triangles).volume /
+                          (4.0 / 3 * std::numbers::pi * std::pow(EnrightFlow::kRadius, 3));
+    EXPECT_NEAR(volume, 1, 0.012) << methods[m];
+    EXPECT_LT(error.vertex_mean, 0.05 * kResolution) << methods[m];
+    EXPECT_LT(error.shape_max, kResolution) << methods[m] << ": nothing of the shape is without a mesh";
+    EXPECT_EQ(mesh_topology(mesh.position, mesh.triangles).components, 1) << methods[m];
   }
 }
 

@@ -48,7 +48,7 @@ TEST_F(FileSeriesNames, FilesThatAreNoSeriesAreSaid) {
 }
 
 TEST_F(FileSeriesNames, AFolderStandsForTheFramesInIt) {
-  for (const char* name : {"p_2.vtk", "p_10.vtk", "notes.txt", "p_2.png"}) file(name, "");
+  for (const char* name : {"p_2.vtk", "p_10.vtk", "notes.txt", "p_2.png", "tank.stl"}) file(name, "");
   const FileSeries found = series("");
   ASSERT_EQ(found.files.size(), 2u);
   EXPECT_EQ(found.files.back().filename(), "p_10.vtk");

@@ -83,6 +83,24 @@ TEST_F(ImageFiles, PiecesFillTheWhole) {
             "is damaged or not complete (has 18 cells in its pieces and 27 in all)");
 }
 
+// A plane of points at the image's end is counted as a layer of cells, which would be beyond it.
+TEST_F(ImageFiles, PlanesWithCellsBeyondTheWholeAreSaid) {
+  const auto piece = [](const char* extent, int cells) {
+    std::string values;
+    for (int i = 0; i < cells; ++i) values += "1 ";
+    return fmt::format(
+        "<Piece Extent=\"{}\"><CellData><DataArray type=\"Float32\" Name=\"phi\" "
+        "format=\"ascii\">{}</DataArray></CellData></Piece>",
+        extent, values);
+  };
+  const std::string head = "<VTKFile type=\"ImageData\"><ImageData WholeExtent=\"0 5 0 5 0 5\">",
+                    tail = "</ImageData></VTKFile>";
+  EXPECT_EQ(read_text(head + piece("0 5 0 5 0 5", 125) + tail).value.size(), 125u);
+  for (const char* plane : {"0 5 0 5 5 5", "0 5 5 5 0 5", "5 5 0 5 0 5"})
+    EXPECT_EQ(error<IoError>(head + piece("0 5 0 5 0 5", 125) + piece(plane, 25) + tail),
+              "is damaged or not complete (a piece has cells beyond the whole extent)");
+}
+
 TEST_F(ImageFiles, LegacyFilesAreReadAsVtkWritesThem) {
   const auto image = small_image();
   add_array<vtkFloatArray>(*image->GetPointData(), "sdf", 210, 1);

@@ -39,6 +39,7 @@ TEST_F(InputKinds, FilesOfVtkAreKnownByWhatTheyHold) {
   EXPECT_EQ(kind("a.vtk", kLegacy + "UNSTRUCTURED_GRID\n"), particles);
   EXPECT_EQ(kind("a.vtk", kLegacy + kPoints + "VERTICES 1 2\n1 0\n"), particles);
   EXPECT_EQ(kind("a.vtk", kLegacy + kPoints + "\nPOLYGONS 1 4\n3 0 0 0\n"), meshes);
+  EXPECT_EQ(kind("a.vtk", kLegacy + kPoints + "\nPOLYGONS 0 0\n"), particles);
   EXPECT_EQ(kind("a.vtk", kLegacy + kPoints + "\nTRIANGLE_STRIPS 1 4\n3 0 0 0\n"), meshes);
   const std::string head = "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"3\" ";
   EXPECT_EQ(kind("a.vtp", head + "NumberOfPolys=\"0\" NumberOfStrips=\"0\">"), particles);
@@ -46,15 +47,6 @@ TEST_F(InputKinds, FilesOfVtkAreKnownByWhatTheyHold) {
   EXPECT_EQ(kind("a.vtp", head + "NumberOfStrips=\"1\" NumberOfPolys=\"0\">"), meshes);
   EXPECT_EQ(message_of<IoError>([&] { input_kind(folder / "none.vtk"); }).substr(0, folder.string().size()),
             folder.string());
-}
-
-TEST_F(InputKinds, ASequenceIsOfOneKind) {
-  const std::vector<fs::path> files{file("a_1.vtk", kLegacy + "UNSTRUCTURED_GRID\n"),
-                                    file("a_2.vtk", kLegacy + "STRUCTURED_POINTS\n")};
-  EXPECT_EQ(input_kind(std::span(files).first(1)), particles);
-  EXPECT_EQ(message_of<InvalidInput>([&] { input_kind(files); }),
-            files[1].string() + ": holds images; " + files[0].string() +
-                " holds particles: a sequence is of one kind");
 }
 
 }  // namespace

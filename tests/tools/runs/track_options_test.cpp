@@ -45,6 +45,19 @@ TEST_F(Track, OptionsOfTheMeshAndOfTheFilesAreFollowed) {
             "--edge: found 0.6 m; expected 0.01 to 0.4 m, which is 0.05 to 2 sigma");
 }
 
+TEST_F(Track, ParticlesWithoutASurfaceAreCounted) {
+  write_sequence("csv", kBodyMotion, 0.1, [](Particles p, int) {
+    p.id.push_back(100000);
+    p.position.emplace_back(0, 3, 0);
+    p.velocity.push_back(Vec3::Zero());
+    return csv_text(p, true, true);
+  });
+  TrackOptions o = options("p_*.csv", {"material"});
+  o.metrics_interval = 0;
+  ASSERT_EQ(track(o), 0);
+  for (const auto& row : read_table(folder / "out/metrics.csv")) EXPECT_EQ(row.at("particles_outside"), "1");
+}
+
 TEST_F(Track, WithIdsTexturesComeFromTheParticles) {
   write_sequence("csv", kBodyMotion, 0.1, [](const Particles& p, int) { return csv_text(p, true, true); });
   TrackOptions o = options("p_*.csv", {"normal", "fresh-nearest", "fresh-particles"});
