@@ -200,7 +200,7 @@ constexpr double kShareOfMotion = 0.999;
 /// See DistanceMotion::displacement().
 double displacement_between(const DistanceImage& from, const DistanceImage& to,
                             std::span<const Vec3> points) {
-  constexpr double kVanished = 0.1, kCutOff = 0.98;
+  constexpr double kVanished = 0.1, kCutOff = 0.95;
   std::vector<double> found, beyond;
   for (const Vec3& x : points) {
     const double f = to.f().at<0>(x)[0], motion = std::abs(f - from.f().at<0>(x)[0]);

@@ -36,6 +36,43 @@ RegularGrid grid_around(const TriangleSurface& surface, double spacing, double r
   return grid;
 }
 
+/// Values weighted 1, 26, 66, 26, 1 along one axis, beyond whose ends they stay as they are.
+std::vector<float> blurred(const RegularGrid& grid, const std::vector<float>& value, int axis) {
+  constexpr std::array<float, 5> kWeights{1.0F / 120, 26.0F / 120, 66.0F / 120, 26.0F / 120, 1.0F / 120};
+  std::vector<float> result(value.size());
+  const int nx = grid.dims[0], ny = grid.dims[1];
+  parallel_for(
+      static_cast<std::size_t>(ny) * static_cast<std::size_t>(grid.dims[2]),
+      [&](std::size_t row) {
+        const int j = static_cast<int>(row) % ny, k = static_cast<int>(row) / ny;
+        for (int i = 0; i < nx; ++i) {
+          float sum = 0;
+          for (int d = -2; d <= 2; ++d) {
+            std::array<int, 3> at{i, j, k};
+            at[axis] = std::clamp(at[axis] + d, 0, grid.dims[axis] - 1);
+            sum += kWeights[d + 2] * value[grid.index(at[0], at[1], at[2])];
+          }
+          result[grid.index(i, j, k)] = sum;
+        }
+      },
+      16);
+  return result;
+}
+
+/// Leaves waves of ten spacings as they are, to 1 %, and less than a third of those of three, which are the
+/// mesh's facets and spoil third derivatives: 1 - (1 - B^2)^3, B the values of quintic B-splines at the
+/// points.
+void smooth(const RegularGrid& grid, std::vector<float>& value) {
+  std::vector<float> rest = value;
+  for (int pass = 0; pass < 3; ++pass) {
+    std::vector<float> wide = rest;
+    for (int twice = 0; twice < 2; ++twice)
+      for (int axis = 0; axis < 3; ++axis) wide = blurred(grid, wide, axis);
+    for (std::size_t p = 0; p < rest.size(); ++p) rest[p] -= wide[p];
+  }
+  for (std::size_t p = 0; p < value.size(); ++p) value[p] -= rest[p];
+}
+
 }  // namespace
 
 SignedDistances signed_distances(const TriangleSurface& surface, double spacing, double reach) {
@@ -65,6 +102,7 @@ SignedDistances signed_distances(const TriangleSurface& surface, double spacing,
                   std::clamp(is_far ? middle : distance(grid.point(i, j, k)), -reach, reach));
       },
       1);
+  smooth(grid, result.value);
   return result;
 }
 

@@ -16,6 +16,7 @@ namespace kappaflow {
 /// A box with round edges, 0.8 x 0.6 x 0.4 m, that turns about the z axis by one radian a second and moves.
 struct TurningBox {
   static constexpr double kSpin = 1;
+  static constexpr double kVolume = 0.1618;  ///< [m3], by Steiner's formula
   static Vec3 centre(double time) { return Vec3(0.2, -0.1, 0.15) * time; }
   static Vec3 position(const Vec3& start, double time) {
     return centre(time) + Eigen::AngleAxisd(kSpin * time, Vec3::UnitZ()) * start;
@@ -74,7 +75,7 @@ inline std::string vti_of(const SignedDistances& image, double time) {
 inline std::string obj_of_box(double time) {
   const auto image = [](double t) { return std::make_shared<DistanceImage>(image_of_box(t, false), t); };
   DistanceMotion motion(image(time), image(time + 1));
-  const TriangleMesh mesh = initial_mesh(*motion.at(time), 0.04, {});
+  const TriangleMesh mesh = initial_mesh(*motion.at(time), 0.02, {});
   std::string text;
   for (const Vec3& x : mesh.position) text += fmt::format("v {:.9g} {:.9g} {:.9g}\n", x.x(), x.y(), x.z());
   for (const Triangle& t : mesh.triangles) text += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
