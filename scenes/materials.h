@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,7 +36,6 @@ class Fluids {
  private:
   std::optional<Material> stated(TomlTable& t) const;
   std::optional<std::size_t> find(const Material& material) const;
-  void add(const Material& material);
 
   FluidOptions& options_;
   std::vector<std::string>& names_;  // by fluid

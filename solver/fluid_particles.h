@@ -96,7 +96,8 @@ struct FluidParticles {
   std::size_t bytes() const {
     return bytes_of(id, position, velocity, viscous_velocity, viscous_acceleration, density_pressure,
                     divergence_pressure, least_pressure, fluid, led_by, source, density, gradient_sum,
-                    gradient_square_sum, viscosity, wall_viscosity, scratch[0], scratch[1], scratch[2], scalar_scratch);
+                    gradient_square_sum, viscosity, wall_viscosity, scratch[0], scratch[1], scratch[2],
+                    scalar_scratch);
   }
 
   /// Appends a particle without pressure; its id is the number of those before.

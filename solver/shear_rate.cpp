@@ -71,8 +71,11 @@ float shear_rate(std::size_t i, const FluidParticles& particles, const Neighbour
                  const WallSums& walls, const std::vector<Vec4f>& v, float spacing, float slip) {
   Moments m = of_pairs(i, particles, lists, v);
   if (walls.touches(i)) add_wall(i, walls, v, spacing, slip, m);
-  const Eigen::Matrix3f square = m.position * m.position + kFewest * kFewest * Eigen::Matrix3f::Identity();
-  const Eigen::Matrix3f gradient = m.velocity * (square.inverse() * m.position).eval();
+  // Neighbours along one line leave two eigenvalues to kFewest: single precision could not invert that.
+  const Eigen::Matrix3d position = m.position.cast<double>();
+  const Eigen::Matrix3d square =
+      position * position + double{kFewest} * kFewest * Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3f gradient = m.velocity * (square.inverse() * position).eval().cast<float>();
   Eigen::Matrix3f strain = (gradient + gradient.transpose()) / 2;
   strain.diagonal().array() -= strain.trace() / 3;
   return std::sqrt(2 * strain.squaredNorm());

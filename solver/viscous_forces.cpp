@@ -30,6 +30,8 @@ ViscousForces::ViscousForces(const FluidOptions& options)
   for (const double a : kinematic)
     for (const double b : kinematic)
       pair_viscosity_.push_back(a + b > 0 ? static_cast<float>(2 * a * b / (a + b)) : 0);
+  for (std::size_t fluid = 0; fluid < fluids_; ++fluid)
+    viscosity_.push_back(pair_viscosity_[fluid * (fluids_ + 1)]);
   for (const float viscosity : pair_viscosity_) pair_scale_.push_back(weight_.scale() * viscosity);
   if (std::ranges::all_of(options.rheologies, is_newtonian)) return;
   for (std::size_t fluid = 0; fluid < fluids_; ++fluid) rheologies_.push_back(options.rheology(fluid));
@@ -43,7 +45,7 @@ void ViscousForces::find_viscosities(FluidParticles& particles, const NeighbourL
   parallel_for(n, [&](std::size_t i) { find_viscosity(i, particles, lists, walls, v); });
   for (std::size_t fluid = 0; fluid < fluids_; ++fluid)
     if (!is_newtonian(rheologies_[fluid]))
-      pair_viscosity_[fluid * (fluids_ + 1)] = parallel_max(
+      viscosity_[fluid] = parallel_max(
           n, 0.0f, [&](std::size_t i) { return particles.fluid[i] == fluid ? particles.viscosity[i] : 0; });
 }
 
@@ -68,7 +70,7 @@ void ViscousForces::find_viscosity(std::size_t i, FluidParticles& particles, con
 }
 
 bool ViscousForces::none() const {
-  return std::ranges::max(pair_viscosity_) == 0;
+  return !vary() && std::ranges::max(pair_viscosity_) == 0;
 }
 
 }  // namespace kappaflow

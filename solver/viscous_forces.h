@@ -72,11 +72,11 @@ class ViscousForces {
  public:
   explicit ViscousForces(const FluidOptions& options);
 
-  /// Whether no fluid is viscous.
+  /// Whether no fluid is viscous, or may be.
   bool none() const;
   std::size_t fluids() const { return fluids_; }
   /// Of a fluid that is not Newtonian the largest of its particles [m2/s].
-  float viscosity(std::size_t fluid) const { return pair_viscosity_[fluid * (fluids_ + 1)]; }
+  float viscosity(std::size_t fluid) const { return viscosity_[fluid]; }
 
   /// Whether there are fluids that are not Newtonian.
   bool vary() const { return !rheologies_.empty(); }
@@ -126,7 +126,8 @@ class ViscousForces {
   ViscosityWeight weight_;
   float spacing_, slip_;  // slip: d / (d + slip length), d the contact distance
   std::size_t fluids_;
-  std::vector<float> pair_viscosity_;  // kinematic, by i and j: the harmonic mean [m2/s]
+  std::vector<float> viscosity_;       // kinematic, by i, see viscosity() [m2/s]
+  std::vector<float> pair_viscosity_;  // by i and j: the harmonic mean [m2/s]
   std::vector<float> pair_scale_;      // times the weight's scale
   std::vector<float> wall_viscosity_;  // by i: the same times slip_
   std::vector<Rheology> rheologies_;   // by fluid; empty if all are Newtonian

@@ -267,7 +267,7 @@ Jet DistanceField::jet(const Vec3& x) const {
 }
 
 Jet DistanceField::jet(const Vec3& x, StrainResponse& strain) const {
-  const Jet jet = this->jet(x);
+  Jet jet = this->jet(x);
   const Vec3& g = jet.g;
   const Mat3 N = g * g.transpose();
   std::array<Mat3, 3> N_a;  // its derivatives

@@ -43,8 +43,8 @@ std::vector<SurfaceGroup::Surface> SurfaceGroup::make_surfaces(const Field& fiel
   const double seconds =
       seconds_of([&] { mesh = initial_mesh(field, edge_length, surface.tracker.projection); });
   if (mesh.triangles.empty())
-    throw InvalidInput(
-        fmt::format("{}: the surface is empty: the field stays below its threshold everywhere", surface.name));
+    throw InvalidInput(fmt::format("{}: the surface is empty: the field stays below its threshold everywhere",
+                                   surface.name));
   TrackerOptions options = surface.tracker;
   options.remeshing.edge_length = surface.remesh ? edge_length : 0;
   options.topology.follows_field = surface.topology;
@@ -108,7 +108,7 @@ std::vector<TrackerStep> SurfaceGroup::take_report() {
   return std::exchange(report_, std::vector<TrackerStep>(surfaces_.size()));
 }
 
-FieldSurfaces::FieldSurfaces(std::shared_ptr<const Field> first, const SurfaceOptions& options)
+FieldSurfaces::FieldSurfaces(const std::shared_ptr<const Field>& first, const SurfaceOptions& options)
     : SurfaceGroup(first, first->length_scale(), options) {
   bool from_particles = options.anchor == Anchor::particles;
   for (const SurfaceMethod& method : methods_of(options))

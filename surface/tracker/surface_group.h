@@ -99,7 +99,7 @@ class FieldSurfaces : public SurfaceGroup {
   /// Meshes the surface of the first field. Of the options, what says how particles become a field does not
   /// count; is_cloud: whether the field knows no velocity of the material. Throws InvalidInput when options
   /// are not sound, the surface is empty, or textures are to come from particles.
-  explicit FieldSurfaces(std::shared_ptr<const Field> first, const SurfaceOptions& options = {});
+  explicit FieldSurfaces(const std::shared_ptr<const Field>& first, const SurfaceOptions& options = {});
 
   /// Moves the surfaces from motion.t0() to motion.t1(), in so many steps: in one the surface should move by
   /// at most half its length scale. Returns false when `watch` stopped it before the last of them.
