@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 
+#include "tools/experiments/plane_flow.h"
 #include "tools/experiments/validation.h"
 #include "tools/io/files.h"
 #include "tools/pictures/plot.h"
@@ -177,19 +178,7 @@ Plot profile_plot(const std::string& title, const SteadyProfile& exact,
   Curve reference{"exact", {}, Look::reference};
   for (const Vec2& p : sampled(exact.velocity, 0, 1)) reference.points.emplace_back(p.y(), p.x());
   plot.curves.push_back(std::move(reference));
-  for (const ChannelResult& r : results) {
-    std::vector<Vec2> sum(static_cast<std::size_t>(r.layers), Vec2::Zero());
-    std::vector<double> count(sum.size(), 0);
-    for (const Vec2& p : r.points) {
-      const auto layer = static_cast<std::size_t>(std::clamp(p.x() * r.layers, 0.0, r.layers - 0.5));
-      sum[layer] += Vec2(p.y(), p.x());
-      ++count[layer];
-    }
-    Curve curve{fmt::format("{} layers", r.layers), {}, Look::points};
-    for (std::size_t k = 0; k < sum.size(); ++k)
-      if (count[k] > 0) curve.points.emplace_back(sum[k] / count[k]);
-    plot.curves.push_back(std::move(curve));
-  }
+  for (const ChannelResult& r : results) plot.curves.push_back(layer_means(r.points, r.layers));
   return plot;
 }
 

@@ -130,19 +130,7 @@ Plot profile_plot(const std::string& title, const PlaneFlow& flow,
   for (const Vec2& p : sampled([&](double eta) { return flow.velocity(eta, tau); }, 0, 1))
     reference.points.emplace_back(p.y(), p.x());
   plot.curves.push_back(std::move(reference));
-  for (const PlaneFlowResult& r : results) {
-    std::vector<Vec2> sum(static_cast<std::size_t>(r.layers), Vec2::Zero());
-    std::vector<double> count(sum.size(), 0);
-    for (const Vec2& p : r.*points) {
-      const auto layer = static_cast<std::size_t>(std::clamp(p.x() * r.layers, 0.0, r.layers - 0.5));
-      sum[layer] += Vec2(p.y(), p.x());
-      ++count[layer];
-    }
-    Curve curve{fmt::format("{} layers", r.layers), {}, Look::points};
-    for (std::size_t k = 0; k < sum.size(); ++k)
-      if (count[k] > 0) curve.points.emplace_back(sum[k] / count[k]);
-    plot.curves.push_back(std::move(curve));
-  }
+  for (const PlaneFlowResult& r : results) plot.curves.push_back(layer_means(r.*points, r.layers));
   return plot;
 }
 
@@ -202,6 +190,20 @@ Report validate(const ExperimentContext& context, const PlaneFlow& flow) {
 }
 
 }  // namespace
+
+Curve layer_means(std::span<const Vec2> points, int layers) {
+  std::vector<Vec2> sum(static_cast<std::size_t>(layers), Vec2::Zero());
+  std::vector<double> count(sum.size(), 0);
+  for (const Vec2& p : points) {
+    const auto layer = static_cast<std::size_t>(std::clamp(p.x() * layers, 0.0, layers - 0.5));
+    sum[layer] += Vec2(p.y(), p.x());
+    ++count[layer];
+  }
+  Curve curve{fmt::format("{} layers", layers), {}, Look::points};
+  for (std::size_t k = 0; k < sum.size(); ++k)
+    if (count[k] > 0) curve.points.emplace_back(sum[k] / count[k]);
+  return curve;
+}
 
 Report validate_poiseuille(const ExperimentContext& context) {
   return validate(context, {poiseuille_speed, poiseuille, 4, 8});
