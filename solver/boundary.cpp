@@ -11,6 +11,13 @@
 namespace kappaflow {
 namespace {
 
+/// As Walls::Body holds it.
+Vec4f packed(const WallHeat& heat) {
+  const float value = static_cast<float>(heat.value);
+  if (heat.kind == WallHeat::Kind::temperature) return {1, value, 0, 0};
+  return {0, 0, heat.kind == WallHeat::Kind::flux ? value : 0, 0};
+}
+
 // Wall particles are this much larger than the liquid's, and stand so much deeper (sample_walls()) that
 // liquid at half a spacing from the wall continues a lattice of rest density rho there: with S(y) the sum
 // over a plane of particles at the distance y, ratio S(1.44 spacing) = S(spacing). Pressure acts through
@@ -49,6 +56,7 @@ struct Walls::Contact {
   Vec4f gradient = Vec4f::Zero();
   Vec4f normal = Vec4f::Zero();    // times friction
   Vec4f velocity = Vec4f::Zero();  // times friction; w: see WallSums
+  Vec4f heat = Vec4f::Zero();      // of Body times friction
 
   void operator+=(const Contact& other) {
     touches = touches || other.touches;
@@ -57,6 +65,13 @@ struct Walls::Contact {
     gradient += other.gradient;
     normal += other.normal;
     velocity += other.velocity;
+    heat += other.heat;
+  }
+
+  WallHeatSum heat_sum() const {
+    constexpr float least = std::numeric_limits<float>::min();
+    return {heat[0] / std::max(friction, least), heat[1] / std::max(heat[0], least),
+            heat[2] / std::max(friction, least)};
   }
 };
 
@@ -66,6 +81,7 @@ Walls::Walls(std::span<const WallBody> bodies, float spacing) : spacing_(spacing
   for (const WallBody& body : bodies) {
     bodies_.push_back(make_body(body));
     moving_ = moving_ || !body.motion.at_rest();
+    heats_ = heats_ || !body.heat.empty();
   }
   move_to(0);
 }
@@ -83,6 +99,7 @@ Walls::Body Walls::make_body(const WallBody& wall) const {
   for (const std::uint32_t b : body.grid.order()) {
     body.position.push_back(padded(points[b]));
     body.normal.emplace_back(wall.samples[b].normal.cast<float>());
+    if (!wall.heat.empty()) body.heat.push_back(packed(wall.heat[b]));
   }
   const float full = kVolumeRatio * square_lattice_sum(kernel_, spacing_) * spacing_ * spacing_ * spacing_;
   std::vector<float> volume(points.size());
@@ -114,7 +131,7 @@ std::size_t Walls::size() const {
 
 std::size_t Walls::bytes() const {
   std::size_t sum = 0;
-  for (const Body& body : bodies_) sum += body.grid.bytes() + bytes_of(body.near, body.position, body.normal);
+  for (const Body& body : bodies_) sum += body.grid.bytes() + bytes_of(body.near, body.position, body.normal, body.heat);
   return sum;
 }
 
@@ -154,6 +171,7 @@ Walls::Contact Walls::contact(const Body& body, const Vec4f& x) const {
       sum.gradient += volume * kernel_.gradient_factor(r) * d;
       sum.friction += friction;
       sum.normal.head<3>() += friction * body.normal[b];
+      if (!body.heat.empty()) sum.heat += friction * body.heat[b];
     }
   });
   if (!moving || !sum.touches) return sum;
@@ -173,8 +191,10 @@ Walls::Contact Walls::contact(const Body& body, const Vec4f& x) const {
 void Walls::add_to_chunk(std::size_t chunk, FluidParticles& particles, WallSums& sums) {
   const std::size_t end = std::min((chunk + 1) * kChunk, particles.size());
   auto &friction = found_friction_[chunk], &velocity = found_velocity_[chunk];
+  auto& heat = found_heat_[chunk];
   friction.clear();
   velocity.clear();
+  heat.clear();
   for (std::size_t i = chunk * kChunk; i < end; ++i) {
     Contact sum;
     for (const Body& body : bodies_) sum += contact(body, particles.position[i]);
@@ -187,6 +207,7 @@ void Walls::add_to_chunk(std::size_t chunk, FluidParticles& particles, WallSums&
     Vec4f f = length > 1e-3f * sum.friction ? Vec4f(sum.normal / length) : Vec4f(Vec4f::Zero());
     f[3] = friction_scale_ * sum.friction;
     friction.push_back(f);
+    if (heats_) heat.push_back(sum.heat_sum());
     if (!moving_) continue;
     const float rate = sum.velocity[3];
     sum.velocity /= std::max(sum.friction, std::numeric_limits<float>::min());
@@ -200,6 +221,7 @@ void Walls::add_to(FluidParticles& particles, WallSums& sums) {
   sums.contact.resize(n);
   found_friction_.resize(chunks);
   found_velocity_.resize(chunks);
+  found_heat_.resize(chunks);
   parallel_for(
       chunks, [&](std::size_t chunk) { add_to_chunk(chunk, particles, sums); }, 1);
 
@@ -207,12 +229,14 @@ void Walls::add_to(FluidParticles& particles, WallSums& sums) {
   for (const auto& found : found_friction_) first_of_chunk_.push_back(first_of_chunk_.back() + found.size());
   sums.friction.resize(first_of_chunk_.back());
   sums.velocity.resize(moving_ ? first_of_chunk_.back() : 0);
+  sums.heat.resize(heats_ ? first_of_chunk_.back() : 0);
   parallel_for(
       chunks,
       [&](std::size_t chunk) {
         const auto first = static_cast<std::ptrdiff_t>(first_of_chunk_[chunk]);
         std::ranges::copy(found_friction_[chunk], sums.friction.begin() + first);
         std::ranges::copy(found_velocity_[chunk], sums.velocity.begin() + first);
+        std::ranges::copy(found_heat_[chunk], sums.heat.begin() + first);
         for (std::size_t i = chunk * kChunk; i < std::min((chunk + 1) * kChunk, n); ++i)
           if (sums.touches(i)) sums.contact[i] += static_cast<std::uint32_t>(first);
       },

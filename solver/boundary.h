@@ -10,12 +10,20 @@
 #include "core/cell_grid.h"
 #include "solver/boundary_sampling.h"
 #include "solver/fluid_particles.h"
+#include "solver/heat_options.h"
 #include "solver/kernel.h"
 
 namespace kappaflow {
 
 /// Where liquid rests, in spacings from a wall's surface.
 inline constexpr double kContactDistance = 0.5;
+
+/// What the walls that a particle touches are for its heat, weighted as their friction.
+struct WallHeatSum {
+  float held = 0;         ///< share of those with a given temperature [1]
+  float temperature = 0;  ///< their mean one [K]
+  float flux = 0;         ///< mean into the liquid, 0 from those with another rule [W/m2]
+};
 
 /// What the walls contribute to each liquid particle. They mirror the particle's own pressure and move as
 /// prescribed, so these sums over the wall particles b are constant within a step and the solvers' loops have
@@ -31,8 +39,10 @@ struct WallSums {
   /// v_w at the wall's surface [m/s]; w: -sum_b V_b v_b . grad W_ib, the wall's part in the rate of relative
   /// density [1/s]. Empty when no wall moves.
   std::vector<Vec4f> velocity;
+  /// Empty when no wall exchanges heat.
+  std::vector<WallHeatSum> heat;
 
-  std::size_t bytes() const { return bytes_of(contact, friction, velocity); }
+  std::size_t bytes() const { return bytes_of(contact, friction, velocity, heat); }
   bool touches(std::size_t i) const { return contact[i] != kNone; }
   /// g (I - n n^T) u. Precondition: touches(i).
   Vec4f drag(std::size_t i, const Vec4f& u) const {
@@ -55,6 +65,7 @@ struct WallSums {
 struct WallBody {
   std::vector<WallSample> samples;  ///< as sample_walls() gives them, at t = 0
   BodyMotion motion;
+  std::vector<WallHeat> heat{};  ///< of each sample; empty: all are insulated
 };
 
 /// The wall particles with their volumes, and the search for them. Every body is searched in its own frame,
@@ -82,6 +93,7 @@ class Walls {
     std::vector<char> near;       // by cell of the grid: whether it or a cell beside it holds a sample
     std::vector<Vec4f> position;  // at t = 0, in cell order; w: volume [m3]
     std::vector<Eigen::Vector3f> normal;
+    std::vector<Vec4f> heat;  // 1 and the temperature where it is given, the flux where that is, 0; or none
     BodyMotion motion;
     RigidPose pose;
     RigidVelocity velocity;
@@ -95,9 +107,11 @@ class Walls {
 
   float spacing_, friction_scale_;
   CubicSpline kernel_;
-  bool moving_ = false;
+  bool moving_ = false, heats_ = false;
   std::vector<Body> bodies_;
-  std::vector<std::vector<Vec4f>> found_friction_, found_velocity_;  // by chunk, with room to spare
+  // By chunk, with room to spare.
+  std::vector<std::vector<Vec4f>> found_friction_, found_velocity_;
+  std::vector<std::vector<WallHeatSum>> found_heat_;
   std::vector<std::size_t> first_of_chunk_;
 };
 

@@ -67,6 +67,8 @@ struct FluidParticles {
   std::vector<std::uint8_t> fluid;    ///< which of the fluids of FluidOptions it belongs to
   std::vector<std::uint8_t> led_by;   ///< 0: free; k + 1: keeps the velocity of emitter k
 
+  std::vector<double> temperature;    ///< [K]; empty where there is no heat
+
   /// By id, so that nothing is to be permuted: where it comes from, by the caller's numbers.
   std::vector<int> source;
 
@@ -90,13 +92,13 @@ struct FluidParticles {
   template <class Archive>
   void serialize(Archive& archive) {
     archive(id, position, velocity, viscous_velocity, viscous_acceleration, density_pressure,
-            divergence_pressure, least_pressure, fluid, led_by, source);
+            divergence_pressure, least_pressure, fluid, led_by, temperature, source);
   }
 
   std::size_t bytes() const {
     return bytes_of(id, position, velocity, viscous_velocity, viscous_acceleration, density_pressure,
-                    divergence_pressure, least_pressure, fluid, led_by, source, density, gradient_sum,
-                    gradient_square_sum, viscosity, wall_viscosity, scratch[0], scratch[1], scratch[2],
+                    divergence_pressure, least_pressure, fluid, led_by, temperature, source, density,
+                    gradient_sum, gradient_square_sum, viscosity, wall_viscosity, scratch[0], scratch[1], scratch[2],
                     scalar_scratch);
   }
 

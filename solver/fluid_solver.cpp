@@ -13,6 +13,7 @@
 #include "solver/boundary.h"
 #include "solver/boundary_sampling.h"
 #include "solver/emitter.h"
+#include "solver/heat.h"
 #include "solver/neighbours.h"
 #include "solver/pressure.h"
 #include "solver/start.h"
@@ -25,7 +26,8 @@ namespace kappaflow {
 namespace {
 
 // Errors at the last iteration beyond which the flow is no longer the liquid's.
-constexpr double kFailedViscosity = 10;   // of what is tolerated [1]
+constexpr double kFailedHeat = 10;        // of what is tolerated [1]
+constexpr double kFailedViscosity = 10;   // likewise [1]
 constexpr double kFailedPressure = 0.01;  // mean compression [1]
 // Motion in one step beyond which the flow explodes [spacings]; cfl, at most 1, is what was planned.
 constexpr double kFailedMotion = 10;
@@ -88,20 +90,42 @@ float largest_compression(const FluidParticles& particles) {
   return parallel_max(particles.size(), 0.0f, [&](std::size_t i) { return particles.density[i] - 1; });
 }
 
-/// One body for each motion.
-std::vector<WallBody> wall_bodies(std::span<const SolidWall> walls, double spacing) {
+/// The rule of the wall under whose surface the sample lies. heat: of the walls.
+WallHeat heat_of(const WallSample& sample, std::span<const SolidWall> walls, std::span<const WallHeat> heat,
+                 double spacing) {
+  const Vec3 surface = sample.position + kWallDepth * spacing * sample.normal;
+  double nearest = std::numeric_limits<double>::infinity();
+  WallHeat result;
+  for (std::size_t w = 0; w < walls.size(); ++w) {
+    const double distance = std::abs(nearest_of_walls(walls.subspan(w, 1), surface).distance);
+    if (distance < nearest) result = heat[w];
+    nearest = std::min(distance, nearest);
+  }
+  return result;
+}
+
+/// One body for each motion. heat: of the walls, as far as it goes.
+std::vector<WallBody> wall_bodies(std::span<const SolidWall> walls, std::span<const WallHeat> heat,
+                                  double spacing) {
   std::vector<WallBody> bodies;
   std::vector<char> done(walls.size(), 0);
   for (std::size_t first = 0; first < walls.size(); ++first) {
     if (done[first]) continue;
     const BodyMotion& motion = walls[first].motion();
     std::vector<SolidWall> group;
+    std::vector<WallHeat> rules;
     for (std::size_t w = first; w < walls.size(); ++w)
       if (walls[w].motion() == motion) {
         group.push_back(walls[w]);
+        rules.push_back(w < heat.size() ? heat[w] : WallHeat());
         done[w] = 1;
       }
     bodies.push_back({sample_walls(group, spacing), motion});
+    if (std::ranges::all_of(rules, [](const WallHeat& rule) { return rule == WallHeat(); })) continue;
+    WallBody& body = bodies.back();
+    body.heat.resize(body.samples.size());
+    parallel_for(body.samples.size(),
+                 [&](std::size_t b) { body.heat[b] = heat_of(body.samples[b], group, rules, spacing); });
   }
   return bodies;
 }
@@ -117,8 +141,10 @@ struct FluidSolver::State {
         pressure(o),
         viscous_pressure(o),
         tension(o),
+        heat(o),
         emitters(o) {}
 
+  void emit(double until);
   void find_neighbours();
   void sum_walls();
   int move_apart(double tolerance);
@@ -126,6 +152,7 @@ struct FluidSolver::State {
   int relieve_squeezed();
   double time_step(double time_left) const;
   void check_finite() const;
+  void check_heat(const HeatSolve& solve) const;
   void check_viscosity(const ViscositySolve& solve) const;
   void check_pressure(const PressureSolve& solve, const char* solver, double tolerance) const;
   void check_motion(double time_step) const;
@@ -140,6 +167,7 @@ struct FluidSolver::State {
   PressureSolver pressure;
   ViscousPressure viscous_pressure;
   SurfaceTension tension;
+  HeatSolver heat;
   Emitters emitters;
 
   double time = 0;
@@ -152,13 +180,18 @@ struct FluidSolver::State {
 
 FluidSolver::FluidSolver(const FluidOptions& options, std::span<const Vec3> position,
                          std::span<const Vec3> velocity, std::span<const SolidWall> walls,
-                         std::span<const std::uint8_t> fluid, std::span<const int> source) {
+                         std::span<const std::uint8_t> fluid, std::span<const int> source,
+                         std::span<const double> temperature) {
   check_options(options);
   check_start(position, velocity, fluid, options.fluids(), source, walls);
+  check_temperatures(temperature, position.size(), options);
+  const std::vector<WallHeat> rules = options.heat ? options.heat->walls : std::vector<WallHeat>();
   state_ = std::make_unique<State>(
-      options, Walls(wall_bodies(walls, options.spacing), static_cast<float>(options.spacing)));
+      options, Walls(wall_bodies(walls, rules, options.spacing), static_cast<float>(options.spacing)));
   state_->particles = particles_at_start(position, velocity, fluid, source);
-  state_->emitters.emit(state_->particles, 0);
+  if (options.heat) state_->particles.temperature.assign(position.size(), options.heat->temperature);
+  std::ranges::copy(temperature, state_->particles.temperature.begin());
+  state_->emit(0);
   if (size() == 0) throw InvalidInput("fluid: there are no particles at the start");
   state_->fastest = fastest_speed(state_->particles);
   state_->find_neighbours();
@@ -177,6 +210,11 @@ FluidStep FluidSolver::step(double time_left) {
   done.time_step = s.time_step(time_left);
   const float dt = static_cast<float>(done.time_step);
 
+  const HeatSolve heat = s.heat.solve(s.particles, s.neighbours, s.wall_sums, dt);
+  s.check_heat(heat);
+  done.heat_iterations = heat.iterations;
+  done.heat_from_walls = heat.from_walls;
+  done.heat_from_air = heat.from_air;
   accelerate(s.particles, padded(s.options.gravity), dt);
   s.tension.apply(s.particles, s.neighbours, dt);
   s.pressure.apply_last(s.particles, s.neighbours, dt);
@@ -201,7 +239,7 @@ FluidStep FluidSolver::step(double time_left) {
   s.check_pressure(density, "density", s.options.density_tolerance);
   s.check_motion(done.time_step);
   move(s.particles, dt);
-  s.emitters.emit(s.particles, s.time + done.time_step);
+  s.emit(s.time + done.time_step);
   s.walls.move_to(s.time + done.time_step);
   s.find_neighbours();
   done.seconds.neighbours = watch.lap();
@@ -220,6 +258,11 @@ FluidStep FluidSolver::step(double time_left) {
   s.measure(done);
   done.seconds.step = watch.seconds();
   return done;
+}
+
+void FluidSolver::State::emit(double until) {
+  emitters.emit(particles, until);
+  heat.add_new(particles);
 }
 
 void FluidSolver::State::find_neighbours() {
@@ -283,6 +326,15 @@ void FluidSolver::State::check_finite() const {
                   options.cfl, options.max_time_step));
 }
 
+void FluidSolver::State::check_heat(const HeatSolve& solve) const {
+  if (solve.error <= kFailedHeat) return;
+  throw SolverFailure(
+      time, steps + 1, fastest_particle(particles),
+      fmt::format("the heat solver's error is {:.2g} times what is tolerated after {} iterations; lower "
+                  "max_time_step (now {} s)",
+                  solve.error, solve.iterations, options.max_time_step));
+}
+
 void FluidSolver::State::check_viscosity(const ViscositySolve& solve) const {
   if (solve.error <= kFailedViscosity) return;
   throw SolverFailure(
@@ -341,7 +393,7 @@ template void FluidSolver::serialize(StateReader&);
 SolverMemory FluidSolver::memory() const {
   const State& s = *state_;
   return {s.particles.bytes() + s.search.bytes() + s.neighbours.bytes() + s.wall_sums.bytes() +
-              s.viscosity.bytes(),
+              s.viscosity.bytes() + s.heat.bytes(),
           s.walls.bytes(), s.walls.size()};
 }
 
@@ -388,6 +440,13 @@ std::vector<std::uint8_t> FluidSolver::fluids() const {
   const FluidParticles& p = state_->particles;
   std::vector<std::uint8_t> result(size());
   for (std::size_t i = 0; i < size(); ++i) result[p.id[i]] = p.fluid[i];
+  return result;
+}
+
+std::vector<double> FluidSolver::temperatures() const {
+  const FluidParticles& p = state_->particles;
+  std::vector<double> result(p.temperature.size());
+  for (std::size_t i = 0; i < result.size(); ++i) result[p.id[i]] = p.temperature[i];
   return result;
 }
 

@@ -15,7 +15,7 @@ namespace kappaflow {
 
 /// Wall time of the phases of a step [s].
 struct SolverSeconds {
-  double forces = 0;  ///< gravity, surface tension and the last step's pressure
+  double forces = 0;  ///< gravity, surface tension and the last step's pressure; and heat
   double viscosity = 0;
   double density = 0;     ///< the constant-density solve
   double neighbours = 0;  ///< moving, sorting and search
@@ -30,9 +30,12 @@ struct FluidStep {
   int density_iterations = 0;
   int divergence_iterations = 0;
   int viscosity_iterations = 0;
+  int heat_iterations = 0;
   double viscosity_error = 0;     ///< see ViscositySolve: at most 1, or the solve has not converged [1]
   double density_error_mean = 0;  ///< mean of max(rho/rho0 - 1, 0) over the particles [1]
   double density_error_max = 0;   ///< maximum likewise [1]
+  double heat_from_walls = 0;     ///< that the liquid gained through them [J]
+  double heat_from_air = 0;       ///< and through its free surface, negative where it cools [J]
   double fastest = 0;             ///< largest particle speed [m/s]
   SolverSeconds seconds;
 };
@@ -51,11 +54,12 @@ class FluidSolver {
   /// which emitters make particles. Walls with different motions are solids of their own: where they meet
   /// liquid they should not overlap. Particles that start compressed are moved apart.
   /// fluid: which of the fluids each particle is of; empty: all of fluid 0. source: numbers of the caller's
-  /// that stay with the particles; empty: all 0. Throws InvalidInput for options out of range, particles
+  /// that stay with the particles; empty: all 0. temperature: absolute, where there is heat [K]; empty: that
+  /// of HeatOptions. Throws InvalidInput for options out of range, particles
   /// inside a wall, or when there is no particle at t = 0.
   FluidSolver(const FluidOptions& options, std::span<const Vec3> position, std::span<const Vec3> velocity,
               std::span<const SolidWall> walls, std::span<const std::uint8_t> fluid = {},
-              std::span<const int> source = {});
+              std::span<const int> source = {}, std::span<const double> temperature = {});
   ~FluidSolver();
   FluidSolver(FluidSolver&&) noexcept;
   FluidSolver& operator=(FluidSolver&&) noexcept;
@@ -76,6 +80,7 @@ class FluidSolver {
   std::vector<float> pressures() const;      ///< by id [Pa]
   std::vector<std::uint8_t> fluids() const;  ///< by id, which fluid
   std::vector<int> sources() const;          ///< by id, as given, or of the emitter
+  std::vector<double> temperatures() const;  ///< by id [K]; empty without heat
 
   /// See core/saved_state.h; for a solver that was made with the same arguments.
   template <class Archive>

@@ -139,6 +139,7 @@ void NeighbourSearch::permute_in_wider(std::vector<T>& array, std::vector<Wider>
 void NeighbourSearch::sort(FluidParticles& particles) {
   grid_.build(std::span<const Vec4f>(particles.position), kernel_.support());
   permute(particles.id, id_buffer_);
+  permute(particles.temperature, temperature_buffer_);
   for (auto* array : {&particles.position, &particles.velocity, &particles.viscous_velocity})
     permute(*array, particles.scratch[0]);
   permute_in_wider(

@@ -63,7 +63,7 @@ class NeighbourSearch {
   /// sort().
   void find(FluidParticles& particles, NeighbourLists& lists);
 
-  std::size_t bytes() const { return grid_.bytes() + bytes_of(id_buffer_); }
+  std::size_t bytes() const { return grid_.bytes() + bytes_of(id_buffer_, temperature_buffer_); }
 
  private:
   static constexpr std::size_t kChunk = 128;    // particles whose neighbours one task finds
@@ -104,6 +104,7 @@ class NeighbourSearch {
   CellGrid grid_;
   tbb::enumerable_thread_specific<Scratch> scratch_;
   std::vector<std::uint32_t> id_buffer_;
+  std::vector<double> temperature_buffer_;
 };
 
 }  // namespace kappaflow

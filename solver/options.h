@@ -3,11 +3,14 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <variant>
 #include <vector>
 
 #include "core/types.h"
+#include "solver/heat_options.h"
 #include "solver/rheology.h"
+#include "solver/temperature_law.h"
 
 namespace kappaflow {
 
@@ -35,6 +38,7 @@ struct Emitter {
   std::size_t max_particles = std::numeric_limits<std::size_t>::max();  ///< whole layers within this limit
   std::uint8_t fluid = 0;                                               ///< which fluid, see FluidOptions
   int source = 0;                                                       ///< of its particles
+  std::optional<double> temperature;  ///< of its liquid, where there is heat; else that of HeatOptions [K]
 };
 
 /// Options of the solver; SI units.
@@ -50,6 +54,11 @@ struct FluidOptions {
   /// Of fluids 0, 1, ..., as far as it goes: the laws of those that are not Newtonian, in place of their
   /// viscosities above.
   std::vector<Rheology> rheologies;
+  /// Likewise, where there is heat: of those whose viscosity depends on the temperature T. It is a(T) nu(a(T) g) at the
+  /// shear rate g, with nu(g) the viscosity above, that at the reference temperature: the stress is a
+  /// function of a(T) g (the superposition of time and temperature of Ferry, 1950).
+  std::vector<TemperatureLaw> temperature_laws;
+  std::optional<HeatOptions> heat;  ///< without it nothing has a temperature
   std::vector<Emitter> emitters;
   double surface_tension = 0;  ///< of all fluids against the air [N/m]; see surface_tension.h
   Vec3 gravity{0, -9.81, 0};   ///< [m/s2]
@@ -69,7 +78,11 @@ struct FluidOptions {
   Rheology rheology(std::size_t fluid) const {
     return fluid < rheologies.size() ? rheologies[fluid] : Rheology();
   }
-  /// Kinematic, of fluid 0, 1, ..., of one that is not Newtonian at rest [m2/s].
+  TemperatureLaw temperature_law(std::size_t fluid) const {
+    return fluid < temperature_laws.size() ? temperature_laws[fluid] : TemperatureLaw();
+  }
+  /// Kinematic, of fluid 0, 1, ..., of one that is not Newtonian at rest, of one that depends on the
+  /// temperature at its reference temperature [m2/s].
   double viscosity(std::size_t fluid) const {
     if (!is_newtonian(rheology(fluid))) return viscosity_at(rheologies[fluid], 0);
     return fluid == 0 ? kinematic_viscosity : more_viscosities[fluid - 1];

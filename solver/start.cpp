@@ -25,6 +25,24 @@ void require_not_negative(double value, const char* name) {
                 fmt::format("{} = {}; must be 0 or greater", name, value));
 }
 
+void check_heat(const HeatOptions& heat, std::size_t fluids) {
+  require_positive(heat.temperature, "temperature");
+  require_positive(heat.ambient_temperature, "ambient temperature");
+  require_not_negative(heat.convection, "convection");
+  require_fluid(heat.emissivity >= 0 && heat.emissivity <= 1,
+                fmt::format("emissivity = {}; must be from 0 to 1", heat.emissivity));
+  require_fluid(heat.fluids.size() == fluids,
+                fmt::format("heat properties of {} fluids; there are {}", heat.fluids.size(), fluids));
+  for (const HeatProperties& fluid : heat.fluids) {
+    require_positive(fluid.specific_heat, "specific heat");
+    require_not_negative(fluid.conductivity, "conductivity");
+  }
+  for (const WallHeat& wall : heat.walls) {
+    require_fluid(std::isfinite(wall.value), "a wall's temperature or flux must be finite");
+    if (wall.kind == WallHeat::Kind::temperature) require_positive(wall.value, "a wall's temperature");
+  }
+}
+
 }  // namespace
 
 void check_options(const FluidOptions& o) {
@@ -38,6 +56,15 @@ void check_options(const FluidOptions& o) {
   require_fluid(o.rheologies.size() <= o.fluids(),
                 fmt::format("{} rheologies of {} fluids", o.rheologies.size(), o.fluids()));
   for (const Rheology& law : o.rheologies) check_rheology(law);
+  require_fluid(o.temperature_laws.size() <= o.fluids(),
+                fmt::format("{} temperature laws of {} fluids", o.temperature_laws.size(), o.fluids()));
+  for (const TemperatureLaw& law : o.temperature_laws) {
+    check_temperature_law(law);
+    require_fluid(o.heat || !has_temperature_law(law), "a temperature law without heat");
+  }
+  if (o.heat) check_heat(*o.heat, o.fluids());
+  for (const Emitter& emitter : o.emitters)
+    if (emitter.temperature) require_positive(*emitter.temperature, "temperature of an emitter");
   require_fluid(o.emitters.size() < 256, fmt::format("{} emitters; allowed: 255", o.emitters.size()));
   for (const Emitter& emitter : o.emitters) check_emitter(emitter, o.spacing, o.fluids());
   require_not_negative(o.surface_tension, "surface_tension");
@@ -79,6 +106,15 @@ void check_start(std::span<const Vec3> position, std::span<const Vec3> velocity,
         nearest_of_walls(walls, x).distance >= 0,
         fmt::format("particle {} at ({:.6g}, {:.6g}, {:.6g}) is inside a wall", i, x.x(), x.y(), x.z()));
   }
+}
+
+void check_temperatures(std::span<const double> temperature, std::size_t particles,
+                        const FluidOptions& options) {
+  if (temperature.empty()) return;
+  require_fluid(options.heat.has_value(), "temperatures of particles without heat");
+  require_fluid(temperature.size() == particles,
+                fmt::format("{} positions but {} temperatures", particles, temperature.size()));
+  for (const double value : temperature) require_positive(value, "temperature of a particle");
 }
 
 FluidParticles particles_at_start(std::span<const Vec3> position, std::span<const Vec3> velocity,

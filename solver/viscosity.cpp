@@ -238,7 +238,7 @@ ViscositySolve ViscositySolver::solve(FluidParticles& particles, const Neighbour
   ConjugateGradients step(*this, preconditioner_, particles, lists, walls, time_step);
   ViscositySolve result;
   solve_system(step, static_cast<double>(time_step), result);
-  for (int before = -1; forces_.vary() && result.iterations > before;) {
+  for (int before = -1; forces_.depend_on_flow() && result.iterations > before;) {
     before = result.iterations;
     find_viscosities();
     solve_system(step, static_cast<double>(time_step), result);

@@ -31,10 +31,13 @@ ViscousForces::ViscousForces(const FluidOptions& options)
     for (const double b : kinematic)
       pair_viscosity_.push_back(a + b > 0 ? static_cast<float>(2 * a * b / (a + b)) : 0);
   for (std::size_t fluid = 0; fluid < fluids_; ++fluid)
-    viscosity_.push_back(pair_viscosity_[fluid * (fluids_ + 1)]);
+    reference_viscosity_.push_back(pair_viscosity_[fluid * (fluids_ + 1)]);
+  viscosity_ = reference_viscosity_;
   for (const float viscosity : pair_viscosity_) pair_scale_.push_back(weight_.scale() * viscosity);
-  if (std::ranges::all_of(options.rheologies, is_newtonian)) return;
-  for (std::size_t fluid = 0; fluid < fluids_; ++fluid) rheologies_.push_back(options.rheology(fluid));
+  for (std::size_t fluid = 0; fluid < fluids_; ++fluid)
+    laws_.push_back({options.rheology(fluid), options.temperature_law(fluid)});
+  depend_on_flow_ = !std::ranges::all_of(laws_, is_newtonian, &Law::of_shear);
+  if (std::ranges::none_of(laws_, &Law::varies)) laws_.clear();
 }
 
 void ViscousForces::find_viscosities(FluidParticles& particles, const NeighbourLists& lists,
@@ -44,7 +47,7 @@ void ViscousForces::find_viscosities(FluidParticles& particles, const NeighbourL
   particles.wall_viscosity.resize(n);
   parallel_for(n, [&](std::size_t i) { find_viscosity(i, particles, lists, walls, v); });
   for (std::size_t fluid = 0; fluid < fluids_; ++fluid)
-    if (!is_newtonian(rheologies_[fluid]))
+    if (laws_[fluid].varies())
       viscosity_[fluid] = parallel_max(
           n, 0.0f, [&](std::size_t i) { return particles.fluid[i] == fluid ? particles.viscosity[i] : 0; });
 }
@@ -52,15 +55,21 @@ void ViscousForces::find_viscosities(FluidParticles& particles, const NeighbourL
 void ViscousForces::find_viscosity(std::size_t i, FluidParticles& particles, const NeighbourLists& lists,
                                    const WallSums& walls, const std::vector<Vec4f>& v) const {
   const std::uint8_t fluid = particles.fluid[i];
-  const Rheology& law = rheologies_[fluid];
+  const Law& law = laws_[fluid];
+  const double shift = has_temperature_law(law.of_temperature)
+                           ? shift_factor(law.of_temperature, particles.temperature[i])
+                           : 1;
   float &own = particles.viscosity[i], &at_wall = particles.wall_viscosity[i];
-  own = viscosity(fluid);
-  at_wall = wall_viscosity_[fluid];
-  if (is_newtonian(law)) return;
+  if (is_newtonian(law.of_shear)) {
+    own = static_cast<float>(shift) * reference_viscosity_[fluid];
+    at_wall = static_cast<float>(shift) * wall_viscosity_[fluid];
+    return;
+  }
   const auto at_rate = [&](float rate) {
-    return static_cast<float>(viscosity_at(law, static_cast<double>(rate)));
+    return static_cast<float>(shift * viscosity_at(law.of_shear, shift * static_cast<double>(rate)));
   };
   own = at_rate(shear_rate(i, particles, lists, walls, v, spacing_, slip_));
+  at_wall = wall_viscosity_[fluid];
   if (!walls.touches(i)) return;
   Vec4f u = v[i];
   if (!walls.velocity.empty()) u -= without_fourth(walls.velocity[walls.contact[i]]);

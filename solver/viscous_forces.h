@@ -75,13 +75,15 @@ class ViscousForces {
   /// Whether no fluid is viscous, or may be.
   bool none() const;
   std::size_t fluids() const { return fluids_; }
-  /// Of a fluid that is not Newtonian the largest of its particles [m2/s].
+  /// Of a fluid whose particles have viscosities of their own the largest of them [m2/s].
   float viscosity(std::size_t fluid) const { return viscosity_[fluid]; }
 
+  /// Whether there are fluids that are not Newtonian, or whose viscosity depends on the temperature.
+  bool vary() const { return !laws_.empty(); }
   /// Whether there are fluids that are not Newtonian.
-  bool vary() const { return !rheologies_.empty(); }
-  /// Finds the viscosities of all particles, for their shear rates in the flow v: nu_i from shear_rate(),
-  /// nu_i' from that between the particle and the wall. Precondition: vary().
+  bool depend_on_flow() const { return depend_on_flow_; }
+  /// Finds the viscosities of all particles, for their temperatures and shear rates in the flow v: nu_i from
+  /// shear_rate(), nu_i' from that between the particle and the wall. Precondition: vary().
   void find_viscosities(FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,
                         const std::vector<Vec4f>& v);
   /// Whether viscous forces can change the particle's velocity: it is viscous and not led.
@@ -127,10 +129,17 @@ class ViscousForces {
   float spacing_, slip_;  // slip: d / (d + slip length), d the contact distance
   std::size_t fluids_;
   std::vector<float> viscosity_;       // kinematic, by i, see viscosity() [m2/s]
+  std::vector<float> reference_viscosity_;  // the same at the reference temperature
   std::vector<float> pair_viscosity_;  // by i and j: the harmonic mean [m2/s]
   std::vector<float> pair_scale_;      // times the weight's scale
   std::vector<float> wall_viscosity_;  // by i: the same times slip_
-  std::vector<Rheology> rheologies_;   // by fluid; empty if all are Newtonian
+  struct Law {
+    Rheology of_shear;
+    TemperatureLaw of_temperature;
+    bool varies() const { return !is_newtonian(of_shear) || has_temperature_law(of_temperature); }
+  };
+  std::vector<Law> laws_;  // by fluid; empty if none varies
+  bool depend_on_flow_ = false;
 };
 
 inline Wide ViscousForces::pair_scales(std::uint8_t fluid, const FluidParticles& particles,

@@ -50,11 +50,14 @@ bool is_thick(double viscosity, const FluidOptions& options) {
 ViscousPressure::ViscousPressure(const FluidOptions& options)
     : spacing_(static_cast<float>(options.spacing)) {
   for (std::size_t fluid = 0; fluid < options.fluids(); ++fluid) {
-    const double viscosity = options.viscosity(fluid);
-    const bool thick = is_thick(viscosity, options);
+    // Whether liquid whose viscosity depends on its temperature is thick, its particles say.
+    const bool may_be = has_temperature_law(options.temperature_law(fluid));
+    const double viscosity = options.viscosity(fluid), unit = options.spacing * options.spacing / options.max_time_step;
+    const bool thick = may_be || is_thick(viscosity, options);
     needed_ = needed_ || thick;
-    const double most = kMostThick * options.spacing * options.spacing / options.max_time_step;
-    resistance_.push_back(thick ? static_cast<float>(kBulk * std::min(viscosity, most)) : 0);
+    const double most = may_be ? kMostThick * unit : std::min(viscosity, kMostThick * unit);
+    resistance_.push_back(thick ? static_cast<float>(kBulk * most) : 0);
+    least_.push_back(may_be ? static_cast<float>(kBulk * kThick * unit) : 0);
   }
 }
 
@@ -81,14 +84,15 @@ void ViscousPressure::spread(FluidParticles& particles, const NeighbourLists& li
 float ViscousPressure::resistance(std::size_t i, const FluidParticles& particles) const {
   const float at_rest = resistance_[particles.fluid[i]];
   if (particles.viscosity.empty()) return at_rest;
-  return std::min(at_rest, static_cast<float>(kBulk) * particles.viscosity[i]);
+  const float own = std::min(at_rest, static_cast<float>(kBulk) * particles.viscosity[i]);
+  return own < least_[particles.fluid[i]] ? 0 : own;
 }
 
 void ViscousPressure::measure(FluidParticles& particles, const NeighbourLists& lists,
                               const WallSums& walls) const {
   auto& notes = noted(particles);
   parallel_for(particles.size(), [&](std::size_t i) {
-    const bool thick = resistance_[particles.fluid[i]] > 0;
+    const bool thick = resistance(i, particles) > 0;
     const bool free = thick && particles.led_by[i] == 0 && !walls.touches(i);
     const float correction = free ? resistance(i, particles) * notes[i][0] : 0;
     notes[i] = {correction, free ? 1.0f : 0.0f, 0, 0};
@@ -99,7 +103,7 @@ void ViscousPressure::measure(FluidParticles& particles, const NeighbourLists& l
     if (correction_too) std::atomic_ref(notes[i][0]).store(0, std::memory_order_relaxed);
   };
   parallel_for(particles.size(), [&](std::size_t i) {
-    const bool thin = resistance_[particles.fluid[i]] == 0;
+    const bool thin = resistance(i, particles) == 0;
     if (!thin && !is_loose(i, lists)) return;
     forget(i, thin);
     for (const PairBlock& block : lists.of(i))

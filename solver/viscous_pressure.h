@@ -57,6 +57,7 @@ class ViscousPressure {
   float spacing_;
   bool needed_ = false;
   std::vector<float> resistance_;  // by fluid: kBulk nu, of liquid that is not Newtonian at rest
+  std::vector<float> least_;       // by fluid: what is less is that of thin liquid
 };
 
 }  // namespace kappaflow
