@@ -79,15 +79,18 @@ std::vector<char> free_points(std::span<const Vec3> points, std::span<const Soli
 }
 
 /// Appends the particles of a block; returns whether there were any.
-bool add_free_points(std::span<const Vec3> points, const FluidBlock& block, int number, double spacing,
+bool add_free_points(std::span<const Vec3> points, const FluidBlock& block, int number, const FluidOptions& fluid,
                      std::span<const SolidWall> walls, FluidParticlesAtStart& particles) {
-  const std::vector<char> is_free = free_points(points, walls, particles.position, spacing);
+  const std::vector<char> is_free = free_points(points, walls, particles.position, fluid.spacing);
   const std::size_t before = particles.position.size();
   for (std::size_t i = 0; i < points.size(); ++i)
     if (is_free[i]) particles.position.push_back(points[i]);
   particles.velocity.resize(particles.position.size(), block.velocity);
   particles.fluid.resize(particles.position.size(), block.fluid);
   particles.source.resize(particles.position.size(), number);
+  if (fluid.heat)
+    particles.temperature.resize(particles.position.size(),
+                                 block.temperature.value_or(fluid.heat->temperature));
   return particles.position.size() > before;
 }
 
@@ -150,7 +153,7 @@ FilledBlocks fill_blocks(const Scene& scene, std::span<const SolidWall> walls, M
       return checked_lattice(block, solid, spacing, filled.particles.position.size());
     };
     const std::vector<Vec3> points = std::visit(lattice_of, block.shape);
-    if (!add_free_points(points, block, static_cast<int>(b), spacing, walls, filled.particles))
+    if (!add_free_points(points, block, static_cast<int>(b), scene.fluid, walls, filled.particles))
       throw InvalidInput(
           block.where,
           "no particle of the block is free: all lie in a wall, within half a spacing of one, or "

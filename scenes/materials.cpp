@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "scenes/heat.h"
+
 namespace kappaflow {
 namespace {
 
@@ -12,6 +14,8 @@ constexpr double kMaxViscosity = 1e9;  // [m2/s], [Pa s]
 constexpr double kMaxStress = 1e9;     // [Pa]
 constexpr double kLongestTime = 1e6;   // [s]
 constexpr double kMaxIndex = 2;
+constexpr double kMaxActivationEnergy = 1e7;  // [J/mol]
+constexpr double kMaxVogelConstant = 1e6;     // [K]
 constexpr std::size_t kMaxFluids = 256;
 
 /// kinematic_viscosity [m2/s], or dynamic_viscosity [Pa s] over the density; nothing where neither is given.
@@ -48,7 +52,26 @@ Law read_thinning(TomlTable& t, double density, double Law::*power, std::string_
   return law;
 }
 
-Material read_material(TomlTable& t, double density) {
+/// The law, or none; its keys are read in any case, so that they are known ones.
+TemperatureLaw read_temperature_law(TomlTable& t, bool has_heat) {
+  enum class Kind { arrhenius, vogel };
+  static constexpr Named<Kind> kKinds[] = {{"arrhenius", Kind::arrhenius},
+                                           {"vogel-fulcher-tammann", Kind::vogel}};
+  require_heat(t, "temperature_law", has_heat);
+  if (!t.has("temperature_law")) return {};
+  const Kind kind = t.choice("temperature_law", kKinds, {});
+  const double reference = t.number("reference_temperature", temperature_range());
+  if (kind == Kind::arrhenius)
+    return Arrhenius{t.number("activation_energy", non_negative("J/mol", kMaxActivationEnergy)), reference};
+  const VogelFulcherTammann law{t.number("vogel_constant", non_negative("K", kMaxVogelConstant)),
+                                t.number("vogel_temperature", {0, kUnbounded, false, "K"}), reference};
+  if (t.has("reference_temperature") && t.has("vogel_temperature") &&
+      law.vogel_temperature >= law.reference_temperature)
+    t.refuse("vogel_temperature", fmt::format("below reference_temperature, {} K", reference));
+  return law;
+}
+
+Material read_material(TomlTable& t, double density, const std::optional<HeatProperties>& usual) {
   enum class Model { newtonian, power_law, bingham, herschel_bulkley, carreau, cross };
   static constexpr Named<Model> kModels[] = {
       {"newtonian", Model::newtonian}, {"power-law", Model::power_law},
@@ -57,6 +80,9 @@ Material read_material(TomlTable& t, double density) {
   Material m;
   m.name = t.text("name");
   const Model model = t.choice("model", kModels, {});
+  m.temperature_law = read_temperature_law(t, usual.has_value());
+  for (const std::string_view key : {"specific_heat", "conductivity"}) require_heat(t, key, usual.has_value());
+  if (t.has("specific_heat") || t.has("conductivity")) m.heat = read_heat_properties(t, usual);
   if (model == Model::newtonian) {
     const std::optional<double> viscosity = read_viscosity(t, density);
     t.finish();
@@ -86,8 +112,12 @@ Material read_material(TomlTable& t, double density) {
 
 Fluids::Fluids(FluidOptions& options, std::vector<std::string>& names, std::vector<TomlTable> tables)
     : options_(options), names_(names) {
+  if (options.heat) {
+    usual_heat_ = options.heat->fluids.front();
+    options.heat->fluids.clear();
+  }
   for (TomlTable& t : tables) {
-    materials_.push_back(read_material(t, options.density));
+    materials_.push_back(read_material(t, options.density, usual_heat_));
     const std::string& name = materials_.back().name;
     if (std::ranges::count(materials_, name, &Material::name) > 1)
       t.refuse("name", "a name that no other [[material]] has");
@@ -97,7 +127,7 @@ Fluids::Fluids(FluidOptions& options, std::vector<std::string>& names, std::vect
 /// Nothing where the table says nothing.
 std::optional<Material> Fluids::stated(TomlTable& t) const {
   const std::optional<double> viscosity = read_viscosity(t, options_.density);
-  if (!t.has("material")) return viscosity ? std::optional(Material{"", *viscosity, {}}) : std::nullopt;
+  if (!t.has("material")) return viscosity ? std::optional(Material{.viscosity = *viscosity}) : std::nullopt;
   if (viscosity) t.refuse("material", "either a material or a viscosity, not both");
   if (materials_.empty()) t.refuse("material", "the name of a [[material]], of which there is none");
   std::vector<std::string_view> names;
@@ -107,10 +137,9 @@ std::optional<Material> Fluids::stated(TomlTable& t) const {
 
 std::optional<std::size_t> Fluids::find(const Material& material) const {
   for (std::size_t fluid = 0; fluid < options_.fluids(); ++fluid) {
-    const bool newtonian = is_newtonian(options_.rheology(fluid));
-    if (newtonian != is_newtonian(material.law)) continue;
-    if (newtonian ? options_.viscosity(fluid) == material.viscosity : names_[fluid] == material.name)
-      return fluid;
+    const bool by_name = by_name_[fluid] != 0;
+    if (by_name != material.is_told_by_name()) continue;
+    if (by_name ? names_[fluid] == material.name : options_.viscosity(fluid) == material.viscosity) return fluid;
   }
   return std::nullopt;
 }
@@ -119,9 +148,17 @@ bool Fluids::read_first(TomlTable& t) {
   const std::optional<Material> material = stated(t);
   if (!material) return false;
   options_.kinematic_viscosity = material->viscosity;
-  options_.rheologies = {material->law};
-  names_ = {material->name};
+  add(*material);
   return true;
+}
+
+/// But for its viscosity.
+void Fluids::add(const Material& material) {
+  options_.rheologies.push_back(material.law);
+  options_.temperature_laws.push_back(material.temperature_law);
+  if (options_.heat) options_.heat->fluids.push_back(material.heat.value_or(*usual_heat_));
+  names_.push_back(material.name);
+  by_name_.push_back(material.is_told_by_name());
 }
 
 std::uint8_t Fluids::read(TomlTable& t) {
@@ -133,8 +170,7 @@ std::uint8_t Fluids::read(TomlTable& t) {
         t.where(),
         fmt::format("the scene has more than {} different liquids; allowed: at most as many", kMaxFluids));
   options_.more_viscosities.push_back(material->viscosity);
-  options_.rheologies.push_back(material->law);
-  names_.push_back(material->name);
+  add(*material);
   return static_cast<std::uint8_t>(options_.fluids() - 1);
 }
 

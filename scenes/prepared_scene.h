@@ -19,6 +19,7 @@ struct FluidParticlesAtStart {
   std::vector<Vec3> position;  ///< [m]
   std::vector<Vec3> velocity;  ///< [m/s]
   std::vector<std::uint8_t> fluid;
+  std::vector<double> temperature;  ///< [K]; empty in a scene without heat
   std::vector<int> source;  ///< the block's number; those of the emitters follow
 };
 

@@ -61,6 +61,7 @@ struct FluidBlock {
   Vec3 velocity{0, 0, 0};  ///< [m/s]
   SourcePosition where;    ///< where the scene's file describes it
   std::uint8_t fluid = 0;  ///< which fluid, see FluidOptions
+  std::optional<double> temperature;  ///< [K]; else that of HeatOptions
 };
 /// A rigid wall.
 struct Wall {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "scenes/heat.h"
 #include "scenes/materials.h"
 #include "scenes/scene.h"
 #include "solver/boundary_sampling.h"
@@ -76,6 +77,7 @@ FluidBlock read_block(TomlTable t, Fluids& fluids) {
   const Kind kind = t.choice("shape", kKinds, {});
   block.velocity = t.vector("velocity", "m/s", block.velocity);
   block.fluid = fluids.read(t);
+  block.temperature = read_temperature(t, fluids.options().heat);
   if (kind == Kind::box)
     block.shape = read_box(t);
   else if (kind == Kind::sphere)
@@ -107,6 +109,7 @@ Emitter read_emitter(TomlTable t, Fluids& fluids) {
     emitter.max_particles =
         static_cast<std::size_t>(t.integer("particle_limit", 1, std::numeric_limits<int>::max()));
   emitter.fluid = fluids.read(t);
+  emitter.temperature = read_temperature(t, fluids.options().heat);
   t.finish();
   try {
     check_emitter(emitter, fluids.options().spacing, fluids.options().fluids());
@@ -155,7 +158,7 @@ BodyMotion read_motion(TomlTable& wall) {
   return motion;
 }
 
-Wall read_wall(TomlTable t) {
+Wall read_wall(TomlTable t, std::optional<HeatOptions>& heat) {
   enum class Kind { box, sphere, cylinder, basin, stairs, mesh };
   static constexpr Named<Kind> kKinds[] = {{"box", Kind::box},           {"sphere", Kind::sphere},
                                            {"cylinder", Kind::cylinder}, {"basin", Kind::basin},
@@ -163,6 +166,8 @@ Wall read_wall(TomlTable t) {
   const SourcePosition where = t.where();
   const Kind kind = t.choice("shape", kKinds, {});
   const BodyMotion motion = read_motion(t);
+  const WallHeat of_wall = read_wall_heat(t, heat);
+  if (heat) heat->walls.push_back(of_wall);
   switch (kind) {
     case Kind::sphere:
       return {read_sphere(t), motion, where};
@@ -324,10 +329,13 @@ Scene parse_scene(const std::string& text, const std::filesystem::path& file) {
   TomlTable fluid = root.table("fluid", true), solver = root.table("solver"), surface = root.table("surface"),
             output = root.table("output");
   std::vector<TomlTable> materials = root.tables("material"), walls = root.tables("wall");
+  const bool has_heat = root.has("heat");
+  TomlTable heat = root.table("heat");
   root.finish();
 
+  if (has_heat) scene.fluid.heat = read_heat(std::move(heat));
   read_fluid(std::move(fluid), std::move(materials), scene);
-  for (TomlTable& wall : walls) scene.walls.push_back(read_wall(std::move(wall)));
+  for (TomlTable& wall : walls) scene.walls.push_back(read_wall(std::move(wall), scene.fluid.heat));
   for (const Wall& wall : scene.walls) check_thickness(wall, scene.fluid.spacing);
   read_solver(std::move(solver), scene.fluid);
   read_surface(std::move(surface), scene.surface);

@@ -18,6 +18,7 @@ struct InputFrame {
   std::vector<Vec3> velocity;                       ///< [m/s], finite
   std::vector<float> density;                       ///< [kg/m3]
   std::vector<float> pressure;                      ///< [Pa]
+  std::vector<float> temperature;                   ///< [K]
   std::vector<int> source;                          ///< where it comes from
   std::vector<double> radius;                       ///< of each particle, > 0, by any measure
   std::optional<double> time;                       ///< [s], where the file says it
@@ -32,7 +33,7 @@ struct InputFrame {
 ///   .hdf5      PySPH's own
 ///   .csv       with the columns x, y, z, perhaps id, vx, vy, vz and radius (see number_table.h)
 /// VTK's arrays are known by these names, in upper or lower case: id, ids, idp, gid, particle_id;
-/// velocity, vel, v (3 components) or u, v, w or vx, vy, vz; density, rho, rhop; pressure, press, p; source
+/// velocity, vel, v (3 components) or u, v, w or vx, vy, vz; density, rho, rhop; pressure, press, p; temperature, temp; source
 /// (only where all are whole numbers); radius, particle_radius, pscale, and h of PySPH's; the field array
 /// TimeValue or time. DualSPHysics' particles of walls (beside Idp a Type other than 3) are left out, as are
 /// PySPH's remote and ghost particles (tag not 0). Throws IoError (not readable, not complete), InvalidInput

@@ -8,7 +8,7 @@ namespace kappaflow {
 namespace {
 
 std::size_t bytes_in(const InputFrame& frame) {
-  return bytes_of(frame.position, frame.id, frame.velocity, frame.density, frame.pressure, frame.source,
+  return bytes_of(frame.position, frame.id, frame.velocity, frame.density, frame.pressure, frame.temperature, frame.source,
                   frame.radius);
 }
 

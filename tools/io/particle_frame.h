@@ -12,6 +12,7 @@ struct ParticleFrame {
   Particles particles;
   std::vector<float> density;   ///< [kg/m3]
   std::vector<float> pressure;  ///< [Pa]
+  std::vector<float> temperature;  ///< [K]
   std::vector<int> source;      ///< which block or emitter it comes from
 };
 

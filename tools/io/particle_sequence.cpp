@@ -162,6 +162,7 @@ void add_to(TextHash& hash, const InputFrame& frame) {
   hash.add_values(std::span(frame.velocity));
   hash.add_values(std::span(frame.density));
   hash.add_values(std::span(frame.pressure));
+  hash.add_values(std::span(frame.temperature));
   hash.add_values(std::span(frame.source));
   hash.add_values(std::span(frame.radius));
 }
@@ -331,6 +332,7 @@ ParticleFrame ParticleSequence::frame(std::size_t frame) {
   ParticleFrame result{{time(frame), {}, ordered(now.position, order), ordered(now.velocity, order)},
                        ordered(now.density, order),
                        ordered(now.pressure, order),
+                       ordered(now.temperature, order),
                        ordered(now.source, order)};
   Particles& particles = result.particles;
   if (radius_ > 0)

@@ -33,6 +33,7 @@ constexpr UsdArray kSurfaceArrays[] = {
     {"rest_2_weight", {"float[]", "primvars:rest_2_weight", "vertex"}},
     {"id", {"int[]", "primvars:id", "vertex"}},
     {"source", {"int[]", "primvars:source", "vertex"}},
+    {"temperature", {"float[]", "primvars:temperature", "vertex"}},
     {"mean_curvature", {"float[]", "primvars:mean_curvature", "vertex"}},
     {"gaussian_curvature", {"float[]", "primvars:gaussian_curvature", "vertex"}},
     {"confidence", {"float[]", "primvars:confidence", "vertex"}},
@@ -40,6 +41,7 @@ constexpr UsdArray kSurfaceArrays[] = {
 constexpr UsdArray kParticleArrays[] = {{"velocity", kVelocities},
                                         {"id", {"int64[]", "ids"}},
                                         {"source", {"int[]", "primvars:source", "vertex"}},
+                                        {"temperature", {"float[]", "primvars:temperature", "vertex"}},
                                         {"sigma", {"float[]", "widths", "vertex"}}};
 
 std::string value_of(const PointArray& array, std::string_view type, const Vec3& origin) {

@@ -74,6 +74,7 @@ vtkSmartPointer<vtkPolyData> particle_data(const ParticleFrame& frame, std::span
   arrays.AddArray(make_array("velocity", 3, particles.velocity));
   if (!frame.density.empty()) arrays.AddArray(make_array("density", 1, frame.density));
   if (!frame.pressure.empty()) arrays.AddArray(make_array("pressure", 1, frame.pressure));
+  if (!frame.temperature.empty()) arrays.AddArray(make_array("temperature", 1, frame.temperature));
   if (!frame.source.empty()) arrays.AddArray(make_array<vtkIntArray>("source", 1, frame.source));
   if (!weight.empty()) {
     arrays.AddArray(make_array<vtkDoubleArray>("weight", 1, weight));

@@ -69,6 +69,7 @@ std::string title_of(const std::string& array, bool vectors) {
       {"rest_position", {"distance of the rest position from the origin", "m"}},
       {"confidence", {"confidence in the tangential velocity", ""}},
       {"source", {"where the liquid comes from", ""}},
+      {"temperature", {"temperature", "K"}},
       {"emission_time", {"when the liquid came", "s"}}};
   const auto known = kWords.find(array);
   if (known == kWords.end()) return fmt::format("{}{}", vectors ? "length of " : "", array);
@@ -85,7 +86,7 @@ double label_step(ValueRange range) {
 }
 
 // Colours over a range that may be wider than what is shown of it.
-vtkSmartPointer<vtkColorTransferFunction> colour_scale(ValueRange range) {
+vtkSmartPointer<vtkColorTransferFunction> colour_scale(ValueRange range, bool glows) {
   auto scale = vtkSmartPointer<vtkColorTransferFunction>::New();
   const auto [low, high] = range;
   if (low < 0 && high > 0) {
@@ -97,14 +98,16 @@ vtkSmartPointer<vtkColorTransferFunction> colour_scale(ValueRange range) {
   }
   constexpr double kViridis[][3] = {{0.267, 0.005, 0.329}, {0.254, 0.265, 0.530}, {0.164, 0.471, 0.558},
                                     {0.135, 0.659, 0.518}, {0.478, 0.821, 0.319}, {0.993, 0.906, 0.144}};
-  for (std::size_t k = 0; k < std::size(kViridis); ++k)
-    scale->AddRGBPoint(low + (high - low) * static_cast<double>(k) / (std::size(kViridis) - 1),
-                       kViridis[k][0], kViridis[k][1], kViridis[k][2]);
+  constexpr double kInferno[][3] = {{0.001, 0.000, 0.014}, {0.258, 0.039, 0.406}, {0.578, 0.148, 0.404}, {0.865, 0.317, 0.226}, {0.988, 0.645, 0.040}, {0.988, 0.998, 0.645}};
+  const auto& colours = glows ? kInferno : kViridis;
+  for (std::size_t k = 0; k < std::size(colours); ++k)
+    scale->AddRGBPoint(low + (high - low) * static_cast<double>(k) / static_cast<double>(std::size(colours) - 1), colours[k][0],
+                       colours[k][1], colours[k][2]);
   return scale;
 }
 
-vtkSmartPointer<vtkLookupTable> colour_table(ValueRange range) {
-  const auto scale = colour_scale(range);
+vtkSmartPointer<vtkLookupTable> colour_table(ValueRange range, bool glows) {
+  const auto scale = colour_scale(range, glows);
   auto table = vtkSmartPointer<vtkLookupTable>::New();
   table->SetNumberOfTableValues(kColours);
   table->SetTableRange(range.data());
@@ -161,7 +164,7 @@ Colouring colouring(vtkPolyData& surface, const std::string& name, ValueRange ra
   if (!(range[1] > range[0])) range[1] = range[0] + 1;  // an array with one value throughout
   const double steps = (range[1] - range[0]) / label_step(range);
   const bool is_rounded = std::abs(steps - std::round(steps)) < 1e-6;
-  Colouring result{name, title_of(name, vectors), colour_table(range),
+  Colouring result{name, title_of(name, vectors), colour_table(range, name == "temperature"),
                    is_rounded ? static_cast<int>(std::lround(steps)) + 1 : 2};
   if (vectors) result.table->SetVectorModeToMagnitude();
   return result;

@@ -32,7 +32,8 @@ bool holds_names(vtkPolyData& surface, const std::string& array);
 /// The range, made wider until its ends and the labels between them are round.
 ValueRange rounded(ValueRange range);
 
-/// From blue over white at 0 to red where the range has both signs, else from dark blue to yellow. Arrays of
+/// From blue over white at 0 to red where the range has both signs, else from dark blue to yellow, of
+/// temperatures as what glows. Arrays of
 /// type Int32 are names: up to 8 in the range have colours of their own, and those beyond it are grey. The
 /// bar has labels at round values where the range is rounded(). surface: any that has the array. Throws
 /// InvalidInput as value_range() does.

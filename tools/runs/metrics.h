@@ -21,6 +21,7 @@ struct FrameMetrics {
   std::optional<double> density_error_mean;  ///< largest mean compression of a step since the last frame [1]
   std::optional<double> density_error_max;   ///< largest compression of a particle since then [1]
   std::optional<double> viscosity_error;     ///< largest of a step since then, over what is tolerated [1]
+  std::optional<double> temperature_min, temperature_mean, temperature_max;  ///< of the particles [K]
   std::optional<IsosurfaceMetrics> isosurface;  ///< where the frame's surfaces are judged
   std::size_t particles_outside = 0;            ///< see points_outside()
 };

@@ -8,11 +8,14 @@
 #include "core/errors.h"
 #include "tools/io/vtp_files.h"
 #include "tools/runs/liquid_metrics.h"
+#include "tools/runs/surface_temperature.h"
 
 namespace kappaflow {
 
 SceneFrames::SceneFrames(PreparedScene prepared)
-    : scene_(prepared.scene), simulation_(std::move(prepared)), wall_distance_(simulation_.walls()) {}
+    : scene_(prepared.scene), simulation_(std::move(prepared)), wall_distance_(simulation_.walls()) {
+  if (scene_.fluid.heat) add_temperatures(surfaces());
+}
 
 bool SceneFrames::advance(int frame, const Watch& watch) {
   return simulation_.advance(time_of(frame), [&](const FluidStep& step) {
@@ -38,6 +41,7 @@ FrameReport SceneFrames::take_report(int frame) {
     report.walls = surfaces_of(walls);
   }
   report.particles = particles();
+  set_temperatures(report.particles, surfaces(), metrics);
   const SimulationReport since = simulation_.take_report();
   metrics.particles = report.particles.particles.size();
   metrics.penetration_max =
@@ -54,7 +58,9 @@ FrameReport SceneFrames::take_report(int frame) {
 
 ParticleFrame SceneFrames::particles() const {
   const FluidSolver& fluid = simulation_.fluid();
-  return {fluid.particles(), fluid.densities(), fluid.pressures(), fluid.sources()};
+  const std::vector<double> temperature = fluid.temperatures();
+  return {fluid.particles(), fluid.densities(), fluid.pressures(),
+          std::vector<float>(temperature.begin(), temperature.end()), fluid.sources()};
 }
 
 std::string SceneFrames::kept_particles(const std::filesystem::path& file) const {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/stopwatch.h"
+#include "tools/runs/surface_temperature.h"
 
 namespace kappaflow {
 
@@ -13,8 +14,10 @@ SequenceFrames::SequenceFrames(ParticleSequence& sequence, const SurfaceOptions&
       now_(sequence.frame(0)),
       surfaces_(now_.particles, sequence.frame(1).particles, options),
       tracers_(with_tracers ? std::span<const Vec3>(surfaces_.mesh().position) : std::span<const Vec3>()),
-      time_(sequence.time(0)) {
+      time_(sequence.time(0)),
+      has_temperatures_(!now_.temperature.empty()) {
   surfaces_.find_sources(now_.source);
+  if (has_temperatures_) add_temperatures(surfaces_);
 }
 
 void SequenceFrames::prepare(int frame) {
@@ -43,6 +46,7 @@ FrameReport SequenceFrames::take_report(int frame) {
   report.metrics.time = time_of(frame);
   report.metrics.particles = now_.particles.size();
   report.particles = now_;
+  if (has_temperatures_) set_temperatures(now_, surfaces_, report.metrics);
   report.steps = surfaces_.take_report();
   report.tracer_seconds = std::exchange(tracer_seconds_, 0);
   return report;

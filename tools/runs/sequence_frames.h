@@ -42,6 +42,7 @@ class SequenceFrames final : public FrameSource {
   TrackedSurfaces surfaces_;
   MaterialTracers tracers_;
   double time_;                // that the surfaces have reached [s]
+  bool has_temperatures_;      // of particles in the first frame
   std::size_t steps_ = 0;      // since the first frame
   double tracer_seconds_ = 0;  // since the last one
 };
