@@ -216,7 +216,7 @@ TEST(GoodScenes, EveryKeyArrives) {
   EXPECT_EQ(mesh.file, source_file("tests/data/meshes/cube.obj"));
   EXPECT_EQ(mesh.scale, 0.5);
   EXPECT_EQ(mesh.translation, Vec3(0, 5, 0));
-  EXPECT_EQ(scene.walls[2].where.line, 61);
+  EXPECT_EQ(scene.walls[2].where.line, 63);
   EXPECT_TRUE(scene.walls[2].motion.at_rest());
   EXPECT_EQ(std::get<SphereShape>(scene.walls[3].shape).radius, 1.5);
   const auto& cylinder = std::get<CylinderShape>(scene.walls[4].shape);
@@ -227,6 +227,37 @@ TEST(GoodScenes, EveryKeyArrives) {
   EXPECT_EQ(basin.lower, Vec3(5, 5, 5));
   EXPECT_EQ(basin.upper, Vec3(6, 7, 8));
   EXPECT_EQ(basin.thickness, 0.5);
+}
+
+TEST(GoodScenes, HeatArrives) {
+  const PreparedScene prepared = prepare(load_scene(source_file("tests/data/every_key.toml")));
+  const FluidOptions& fluid = prepared.scene.fluid;
+  ASSERT_TRUE(fluid.heat);
+  const HeatOptions& heat = *fluid.heat;
+  EXPECT_EQ(heat.temperature, 300);
+  EXPECT_EQ(heat.ambient_temperature, 290);
+  EXPECT_EQ(heat.convection, 10);
+  EXPECT_EQ(heat.emissivity, 0.9);
+  ASSERT_EQ(heat.fluids.size(), 4u);
+  for (const HeatProperties& of : heat.fluids) EXPECT_EQ(of.specific_heat, 2000);
+  EXPECT_EQ(heat.fluids[0].conductivity, 0.5);
+  EXPECT_EQ(heat.fluids[2].conductivity, 0.25);
+  EXPECT_FALSE(has_temperature_law(fluid.temperature_law(0)));
+  EXPECT_EQ(std::get<Arrhenius>(fluid.temperature_law(2)).activation_energy, 5e4);
+  EXPECT_EQ(std::get<Arrhenius>(fluid.temperature_law(2)).reference_temperature, 305);
+  EXPECT_EQ(fluid.emitters[0].temperature, 350);
+  using Kind = WallHeat::Kind;
+  EXPECT_EQ(heat.walls, (std::vector<WallHeat>{{}, {}, {}, {Kind::temperature, 280}, {}, {Kind::flux, -200}}));
+  const FluidParticlesAtStart& start = prepared.start;
+  ASSERT_EQ(start.temperature.size(), start.position.size());
+  for (std::size_t i = 0; i < start.position.size(); ++i)
+    EXPECT_EQ(start.temperature[i], start.source[i] == 1 ? 310 : 300);
+}
+
+TEST(GoodScenes, WithoutHeatNothingHasATemperature) {
+  const PreparedScene prepared = prepare(load_scene(temporary_file("cold.toml", std::string(kSmallest))));
+  EXPECT_FALSE(prepared.scene.fluid.heat);
+  EXPECT_TRUE(prepared.start.temperature.empty());
 }
 
 TEST(GoodScenes, MotionsOfWallsArrive) {

@@ -5,6 +5,8 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <optional>
+#include <variant>
 
 #include "core/errors.h"
 #include "scenes/estimate.h"
@@ -39,12 +41,38 @@ struct ShapeText {
   std::string operator()(const MeshShape& mesh) const { return fmt::format("mesh {}", mesh.file.string()); }
 };
 
+struct ReferenceTemperature {
+  std::optional<double> operator()(std::monostate) const { return std::nullopt; }
+  std::optional<double> operator()(const auto& law) const { return law.reference_temperature; }
+};
+
 std::string viscosity_text(std::size_t number, const Scene& scene) {
-  const double viscosity = scene.fluid.viscosity(number);
-  if (is_newtonian(scene.fluid.rheology(number)))
-    return fmt::format(", kinematic viscosity {:.4g} m2/s", viscosity);
-  return fmt::format(", material {}, kinematic viscosity {:.4g} m2/s at rest", scene.materials[number],
-                     viscosity);
+  const std::string& material = scene.materials[number];
+  const bool newtonian = is_newtonian(scene.fluid.rheology(number));
+  const std::optional<double> reference =
+      std::visit(ReferenceTemperature(), scene.fluid.temperature_law(number));
+  return fmt::format("{}, kinematic viscosity {:.4g} m2/s{}{}",
+                     material.empty() ? "" : fmt::format(", material {}", material),
+                     scene.fluid.viscosity(number), newtonian ? "" : " at rest",
+                     reference ? fmt::format(" at {:.5g} K", *reference) : "");
+}
+
+std::string temperature_text(const std::optional<double>& temperature) {
+  return temperature ? fmt::format(", at {:.5g} K", *temperature) : "";
+}
+
+std::string heat_text(const WallHeat& heat) {
+  if (heat.kind == WallHeat::Kind::temperature) return temperature_text(heat.value);
+  return heat.kind == WallHeat::Kind::flux ? fmt::format(", heat flux {:.5g} W/m2", heat.value) : "";
+}
+
+std::string heat_line(const std::optional<HeatOptions>& heat) {
+  if (!heat) return "";
+  const std::string air =
+      heat->cools() ? fmt::format("air at {:.5g} K, convection {:.4g} W/(m2 K), emissivity {:.4g}",
+                                  heat->ambient_temperature, heat->convection, heat->emissivity)
+                    : "none lost to the air";
+  return fmt::format("  heat      liquid at {:.5g} K, {}\n", heat->temperature, air);
 }
 
 /// Of a fluid that is not the scene's first.
@@ -55,11 +83,11 @@ std::string other_viscosity_text(std::uint8_t number, const Scene& scene) {
 std::string emitter_line(const Emitter& emitter, const Scene& scene) {
   const FluidOptions& fluid = scene.fluid;
   const double layer = static_cast<double>(emitter_layer(emitter, fluid.spacing).size());
-  return fmt::format("    emitter at {} m, {:.4g} m/s towards {}, {:.4g} m3/s ({} particles a layer){}\n",
+  return fmt::format("    emitter at {} m, {:.4g} m/s towards {}, {:.4g} m3/s ({} particles a layer){}{}\n",
                      vector_text(emitter.position), emitter.speed,
                      vector_text(emitter.direction.normalized()),
                      layer * fluid.spacing * fluid.spacing * emitter.speed, layer,
-                     other_viscosity_text(emitter.fluid, scene));
+                     other_viscosity_text(emitter.fluid, scene), temperature_text(emitter.temperature));
 }
 
 std::string liquid_lines(const Scene& scene) {
@@ -67,13 +95,15 @@ std::string liquid_lines(const Scene& scene) {
   std::string text = fmt::format("  liquid    spacing {:.4g} m, density {:.6g} kg/m3{}\n", fluid.spacing,
                                  fluid.density, viscosity_text(0, scene));
   for (const FluidBlock& block : scene.blocks)
-    text += fmt::format("    block   {}, moving at {} m/s{}\n", std::visit(ShapeText(), block.shape),
-                        vector_text(block.velocity), other_viscosity_text(block.fluid, scene));
+    text += fmt::format("    block   {}, moving at {} m/s{}{}\n", std::visit(ShapeText(), block.shape),
+                        vector_text(block.velocity), other_viscosity_text(block.fluid, scene),
+                        temperature_text(block.temperature));
   for (const Emitter& emitter : scene.fluid.emitters) text += emitter_line(emitter, scene);
-  for (const Wall& wall : scene.walls)
-    text += fmt::format("    wall    {}{}\n", std::visit(ShapeText(), wall.shape),
-                        wall.motion.at_rest() ? "" : ", moving");
-  return text;
+  for (std::size_t w = 0; w < scene.walls.size(); ++w)
+    text += fmt::format("    wall    {}{}{}\n", std::visit(ShapeText(), scene.walls[w].shape),
+                        scene.walls[w].motion.at_rest() ? "" : ", moving",
+                        fluid.heat ? heat_text(fluid.heat->walls[w]) : "");
+  return text + heat_line(fluid.heat);
 }
 
 std::string surface_line(const SurfaceDescription& surface, double spacing) {
