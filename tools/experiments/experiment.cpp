@@ -10,6 +10,7 @@
 #include "core/version.h"
 #include "tools/experiments/channel_flow.h"
 #include "tools/experiments/coiling.h"
+#include "tools/experiments/conduction.h"
 #include "tools/experiments/conservation.h"
 #include "tools/experiments/dam_break.h"
 #include "tools/experiments/enright.h"
@@ -193,6 +194,10 @@ std::span<const Experiment> experiments() {
                  "plane Couette flow of a Carreau liquid under a Newtonian one", validate_carreau},
       Experiment{"validate-slump", "experiments/validate-slump.toml",
                  "a cylinder of a Bingham liquid slumps: its final height", validate_slump},
+      Experiment{"validate-conduction", "experiments/validate-conduction.toml",
+                 "heat enters a layer: Fourier series", validate_conduction},
+      Experiment{"validate-cooling", "experiments/validate-cooling.toml",
+                 "a sphere cools in the air: series for a Biot number of 1", validate_cooling},
       Experiment{"validate-drop", "experiments/validate-drop.toml",
                  "a spinning drop: linear and angular momentum", validate_drop},
       Experiment{"validate-basin", "experiments/validate-basin.toml",
