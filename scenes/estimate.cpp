@@ -20,6 +20,7 @@ namespace {
 // Bytes; Run.TakesTheMemoryThatWasEstimated (tests/tools) holds the sum against the program.
 constexpr double kBytesOfProgram = 40e6;           // with its libraries
 constexpr double kBytesPerParticleInSolver = 450;  // what `kappaflow benchmark` measures, rounded up
+constexpr double kBytesPerParticleOfHeat = 80;     // in scenes that have it: the temperatures and their solve
 constexpr double kBytesPerSampledParticle = 900;   // of a wall, while the walls are sampled
 // Particles at both ends of a step, the paths between them, and the fields of up to three stages, all in
 // double precision.
@@ -85,7 +86,8 @@ double memory(const Scene& scene, double particles, double boundary_particles, d
   const double methods = static_cast<double>(scene.surface.methods.size());
   const double sample = kSampleSpacing * scene.surface.sigma;  // [spacings]
   const double samples = methods > 0 ? kSpread * particles / (sample * sample * sample) : 0;
-  const double run = particles * (kBytesPerParticleInSolver + kBytesPerParticleInField) +
+  const double heat = scene.fluid.heat ? kBytesPerParticleOfHeat : 0;
+  const double run = particles * (kBytesPerParticleInSolver + heat + kBytesPerParticleInField) +
                      boundary_particles * kBytesPerBoundaryParticle + methods * vertices * kBytesPerVertex +
                      samples * kBytesPerSample;
   return kBytesOfProgram + std::max(run, boundary_particles * kBytesPerSampledParticle);

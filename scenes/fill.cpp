@@ -79,8 +79,9 @@ std::vector<char> free_points(std::span<const Vec3> points, std::span<const Soli
 }
 
 /// Appends the particles of a block; returns whether there were any.
-bool add_free_points(std::span<const Vec3> points, const FluidBlock& block, int number, const FluidOptions& fluid,
-                     std::span<const SolidWall> walls, FluidParticlesAtStart& particles) {
+bool add_free_points(std::span<const Vec3> points, const FluidBlock& block, int number,
+                     const FluidOptions& fluid, std::span<const SolidWall> walls,
+                     FluidParticlesAtStart& particles) {
   const std::vector<char> is_free = free_points(points, walls, particles.position, fluid.spacing);
   const std::size_t before = particles.position.size();
   for (std::size_t i = 0; i < points.size(); ++i)

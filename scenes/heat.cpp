@@ -4,11 +4,11 @@ namespace kappaflow {
 namespace {
 
 // Bounds that keep what is computed finite.
-constexpr double kHottest = 1e5;           // [K]
-constexpr double kMaxSpecificHeat = 1e6;   // [J/(kg K)]
-constexpr double kMaxConductivity = 1e6;   // [W/(m K)]
-constexpr double kMaxConvection = 1e6;     // [W/(m2 K)]
-constexpr double kMaxFlux = 1e9;           // [W/m2]
+constexpr double kHottest = 1e5;          // [K]
+constexpr double kMaxSpecificHeat = 1e6;  // [J/(kg K)]
+constexpr double kMaxConductivity = 1e6;  // [W/(m K)]
+constexpr double kMaxConvection = 1e6;    // [W/(m2 K)]
+constexpr double kMaxFlux = 1e9;          // [W/m2]
 
 }  // namespace
 
@@ -52,7 +52,8 @@ std::optional<double> read_temperature(TomlTable& t, const std::optional<HeatOpt
 WallHeat read_wall_heat(TomlTable& t, const std::optional<HeatOptions>& heat) {
   require_heat(t, "heat_flux", heat.has_value());
   const std::optional<double> temperature = read_temperature(t, heat);
-  if (temperature && t.has("heat_flux")) t.refuse("heat_flux", "either a temperature or a heat_flux, not both");
+  if (temperature && t.has("heat_flux"))
+    t.refuse("heat_flux", "either a temperature or a heat_flux, not both");
   if (temperature) return {WallHeat::Kind::temperature, *temperature};
   if (!t.has("heat_flux")) return {};
   return {WallHeat::Kind::flux, t.number("heat_flux", {-kMaxFlux, kMaxFlux, false, "W/m2"})};

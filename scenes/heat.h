@@ -15,7 +15,8 @@ HeatOptions read_heat(TomlTable t);
 /// InvalidInput.
 std::optional<double> read_temperature(TomlTable& t, const std::optional<HeatOptions>& heat);
 
-/// Reads `temperature` or `heat_flux` of a wall, which is insulated where neither is there. Throws InvalidInput.
+/// Reads `temperature` or `heat_flux` of a wall, which is insulated where neither is there. Throws
+/// InvalidInput.
 WallHeat read_wall_heat(TomlTable& t, const std::optional<HeatOptions>& heat);
 
 /// Reads `specific_heat` and `conductivity` of [heat] or a material; required where there are no usual ones.

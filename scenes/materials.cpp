@@ -81,7 +81,8 @@ Material read_material(TomlTable& t, double density, const std::optional<HeatPro
   m.name = t.text("name");
   const Model model = t.choice("model", kModels, {});
   m.temperature_law = read_temperature_law(t, usual.has_value());
-  for (const std::string_view key : {"specific_heat", "conductivity"}) require_heat(t, key, usual.has_value());
+  for (const std::string_view key : {"specific_heat", "conductivity"})
+    require_heat(t, key, usual.has_value());
   if (t.has("specific_heat") || t.has("conductivity")) m.heat = read_heat_properties(t, usual);
   if (model == Model::newtonian) {
     const std::optional<double> viscosity = read_viscosity(t, density);
@@ -139,7 +140,8 @@ std::optional<std::size_t> Fluids::find(const Material& material) const {
   for (std::size_t fluid = 0; fluid < options_.fluids(); ++fluid) {
     const bool by_name = by_name_[fluid] != 0;
     if (by_name != material.is_told_by_name()) continue;
-    if (by_name ? names_[fluid] == material.name : options_.viscosity(fluid) == material.viscosity) return fluid;
+    if (by_name ? names_[fluid] == material.name : options_.viscosity(fluid) == material.viscosity)
+      return fluid;
   }
   return std::nullopt;
 }

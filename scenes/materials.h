@@ -20,13 +20,11 @@ struct Material {
   std::optional<HeatProperties> heat{};  ///< where they are not those of [heat]
 
   /// Whether there is more to it than its viscosity.
-  bool is_told_by_name() const {
-    return !is_newtonian(law) || has_temperature_law(temperature_law) || heat;
-  }
+  bool is_told_by_name() const { return !is_newtonian(law) || has_temperature_law(temperature_law) || heat; }
 };
 
-/// The fluids of a scene while its tables are read; number 0 is that of [fluid]. Those that are no more than a
-/// viscosity are told apart by its value, the others by their names.
+/// The fluids of a scene while its tables are read; number 0 is that of [fluid]. Those that are no more than
+/// a viscosity are told apart by its value, the others by their names.
 class Fluids {
  public:
   /// tables: of [[material]]; their dynamic viscosities and stresses are divided by options.density.

@@ -20,7 +20,7 @@ struct FluidParticlesAtStart {
   std::vector<Vec3> velocity;  ///< [m/s]
   std::vector<std::uint8_t> fluid;
   std::vector<double> temperature;  ///< [K]; empty in a scene without heat
-  std::vector<int> source;  ///< the block's number; those of the emitters follow
+  std::vector<int> source;          ///< the block's number; those of the emitters follow
 };
 
 /// What a scene and the mesh files that it names make. Nothing of it is read or built again by what takes it.

@@ -58,9 +58,9 @@ struct MeshShape {
 /// A block of liquid, filled with particles on a cubic lattice.
 struct FluidBlock {
   std::variant<BoxShape, SphereShape, MeshShape> shape;
-  Vec3 velocity{0, 0, 0};  ///< [m/s]
-  SourcePosition where;    ///< where the scene's file describes it
-  std::uint8_t fluid = 0;  ///< which fluid, see FluidOptions
+  Vec3 velocity{0, 0, 0};             ///< [m/s]
+  SourcePosition where;               ///< where the scene's file describes it
+  std::uint8_t fluid = 0;             ///< which fluid, see FluidOptions
   std::optional<double> temperature;  ///< [K]; else that of HeatOptions
 };
 /// A rigid wall.

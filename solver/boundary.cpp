@@ -131,7 +131,8 @@ std::size_t Walls::size() const {
 
 std::size_t Walls::bytes() const {
   std::size_t sum = 0;
-  for (const Body& body : bodies_) sum += body.grid.bytes() + bytes_of(body.near, body.position, body.normal, body.heat);
+  for (const Body& body : bodies_)
+    sum += body.grid.bytes() + bytes_of(body.near, body.position, body.normal, body.heat);
   return sum;
 }
 

@@ -67,7 +67,7 @@ struct FluidParticles {
   std::vector<std::uint8_t> fluid;    ///< which of the fluids of FluidOptions it belongs to
   std::vector<std::uint8_t> led_by;   ///< 0: free; k + 1: keeps the velocity of emitter k
 
-  std::vector<double> temperature;    ///< [K]; empty where there is no heat
+  std::vector<double> temperature;  ///< [K]; empty where there is no heat
 
   /// By id, so that nothing is to be permuted: where it comes from, by the caller's numbers.
   std::vector<int> source;
@@ -98,8 +98,8 @@ struct FluidParticles {
   std::size_t bytes() const {
     return bytes_of(id, position, velocity, viscous_velocity, viscous_acceleration, density_pressure,
                     divergence_pressure, least_pressure, fluid, led_by, temperature, source, density,
-                    gradient_sum, gradient_square_sum, viscosity, wall_viscosity, scratch[0], scratch[1], scratch[2],
-                    scalar_scratch);
+                    gradient_sum, gradient_square_sum, viscosity, wall_viscosity, scratch[0], scratch[1],
+                    scratch[2], scalar_scratch);
   }
 
   /// Appends a particle without pressure; its id is the number of those before.

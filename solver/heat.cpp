@@ -13,7 +13,8 @@ constexpr double kStefanBoltzmann = 5.670374419e-8;  // [W/(m2 K4)]
 constexpr double kLatticeMoment = 1.0200417;
 // What each open face lacks of the density: a plane of a lattice 0.15, liquid that has flowed 0.17 to 0.19.
 constexpr float kOpenFace = 1.0f / 6;
-// Densities that lack less are those of gaps within the liquid, up to the first, and from the second on those of surfaces.
+// Densities that lack less are those of gaps within the liquid, up to the first, and from the second on those
+// of surfaces.
 constexpr float kGap = 0.04f, kSurface = 0.12f;
 // Error of a step's change in temperature over the largest change at which the solve ends.
 constexpr double kTolerance = 1e-4;
@@ -22,7 +23,8 @@ constexpr int kMostIterations = 1000;
 }  // namespace
 
 float free_area(float density, float spacing) {
-  const float lack = std::max(1 - density, 0.0f), t = std::clamp((lack - kGap) / (kSurface - kGap), 0.0f, 1.0f);
+  const float lack = std::max(1 - density, 0.0f),
+              t = std::clamp((lack - kGap) / (kSurface - kGap), 0.0f, 1.0f);
   return t * t * (3 - 2 * t) * lack / (kOpenFace * spacing);
 }
 
@@ -79,8 +81,8 @@ double HeatSolver::air_conductance(std::size_t i, const FluidParticles& particle
   return static_cast<double>(free_area(particles.density[i], spacing_)) * (options_->convection + radiation);
 }
 
-/// What walls of given flux give the particle [W/m3]: g = 1 / (spacing d) is the area over the volume, 1 / spacing, where
-/// liquid rests.
+/// What walls of given flux give the particle [W/m3]: g = 1 / (spacing d) is the area over the volume, 1 /
+/// spacing, where liquid rests.
 double HeatSolver::wall_flux(std::size_t i, const WallSums& walls) const {
   if (walls.heat.empty() || !walls.touches(i)) return 0;
   const std::uint32_t contact = walls.contact[i];
@@ -107,7 +109,8 @@ void HeatSolver::set_up(const FluidParticles& particles, const NeighbourLists& l
   });
 }
 
-HeatSolve HeatSolver::iterate(const FluidParticles& particles, const NeighbourLists& lists, double time_step) {
+HeatSolve HeatSolver::iterate(const FluidParticles& particles, const NeighbourLists& lists,
+                              double time_step) {
   const std::size_t n = particles.size();
   const auto largest = [&](const std::vector<double>& heat) {
     return parallel_max(n, 0.0,
@@ -125,9 +128,8 @@ HeatSolve HeatSolver::iterate(const FluidParticles& particles, const NeighbourLi
     const double last = energy;
     energy = parallel_sum(n, 0.0, [&](std::size_t i) { return residual_[i] * residual_[i] / diagonal_[i]; });
     const double factor = last > 0 ? energy / last : 0;
-    parallel_for(n, [&](std::size_t i) {
-      direction_[i] = residual_[i] / diagonal_[i] + factor * direction_[i];
-    });
+    parallel_for(
+        n, [&](std::size_t i) { direction_[i] = residual_[i] / diagonal_[i] + factor * direction_[i]; });
     const double curvature = parallel_sum(n, 0.0, [&](std::size_t i) {
       double sum = 0;
       for_pairs(i, particles, lists, [&](std::size_t j, double weight) { sum += weight * direction_[j]; });

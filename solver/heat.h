@@ -20,26 +20,29 @@ struct HeatSolve {
   double from_air = 0;    ///< and that the air gave through the free surface; negative where liquid cools [J]
 };
 
-/// Area of free surface over its volume [1/m] of a particle at the relative density [1]: each face of its cube
-/// that has no neighbour takes about a sixth of the density; a wall in its place closes it. Liquid within is
-/// not free of gaps: up to 0.04 they do not count, from 0.12 on fully. Surfaces that are a plane of a cubic lattice
-/// are 10 % smaller, those of liquid that has flowed 5 to 25 % larger than what they should be.
+/// Area of free surface over its volume [1/m] of a particle at the relative density [1]: each face of its
+/// cube that has no neighbour takes about a sixth of the density; a wall in its place closes it. Liquid
+/// within is not free of gaps: up to 0.04 they do not count, from 0.12 on fully. Surfaces that are a plane of
+/// a cubic lattice are 10 % smaller, those of liquid that has flowed 5 to 25 % larger than what they should
+/// be.
 float free_area(float density, float spacing);
 
 /// Solves rho c dT/dt = div (k grad T) for all particles, implicitly: with u the change of T in a step,
 ///   (rho c V + dt K) u = -dt K T + dt b,
 ///   (K T)_i = V sum_j 2 k_ij |V F_ij| (T_i - T_j) + V k_i g_i T_i + V a_i h_i T_i,
 ///   b_i     = V k_i g_i T_w + V a_i h_i T_a + V a_w q,
-/// by conjugate gradients with the diagonal as preconditioner. The first sum is the conduction of Cleary & Monaghan,
-/// "Conduction modelling using smoothed particle hydrodynamics" (1999), k_ij the harmonic mean, scaled so that it is
-/// exact for quadratic T on a cubic lattice; where neighbours are missing no heat flows. g is the friction of
-/// the walls (WallSums), which conduct as they drag; h = convection + emissivity sigma (T^2 + T_a^2)(T + T_a), with the T before
-/// the step, which makes the last bits of radiation, T_a^4 - T^4, those of the step's end; a: free_area().
+/// by conjugate gradients with the diagonal as preconditioner. The first sum is the conduction of Cleary &
+/// Monaghan, "Conduction modelling using smoothed particle hydrodynamics" (1999), k_ij the harmonic mean,
+/// scaled so that it is exact for quadratic T on a cubic lattice; where neighbours are missing no heat flows.
+/// g is the friction of the walls (WallSums), which conduct as they drag; a_w = spacing g / 2, the area of
+/// wall over the volume; a: free_area(); h = convection + emissivity sigma (T^2 + T_a^2)(T + T_a) with the T
+/// before the step, by which radiation is linear in the T after it.
 ///
-/// K is symmetric with row sums that are not negative, so that no temperature leaves the range of those before,
-/// the walls', and the air's; and |u - u'| <= max |r| / (rho c V) for a u' with the residual r, which is how it
-/// ends. What is left unsolved is not lost: heat is exchanged as the pairs' temperatures u' say, and so
-/// conserved to rounding. Particles of an emitter lose nothing to the air before they have passed the mouth.
+/// K is symmetric with row sums that are not negative, so that no temperature leaves the range of those
+/// before, the walls' and the air's, but by the walls' fluxes; and |u - u'| <= max |r| / (rho c V) for a u'
+/// with the residual r, which is how it ends. What is left unsolved is not lost: heat is exchanged as the
+/// pairs' temperatures u' say, and so conserved to rounding. Particles of an emitter lose nothing to the air
+/// before they have passed the mouth.
 class HeatSolver {
  public:
   explicit HeatSolver(const FluidOptions& options);

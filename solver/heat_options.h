@@ -22,9 +22,10 @@ struct WallHeat {
 
 /// Absolute temperatures.
 struct HeatOptions {
-  double temperature = 293.15;         ///< of liquid of which nothing else is said [K]
+  double temperature = 293.15;           ///< of liquid of which nothing else is said [K]
   std::vector<HeatProperties> fluids{};  ///< one each
-  std::vector<WallHeat> walls{};         ///< in the order of the solver's walls, as far as it goes; the others are insulated
+  std::vector<WallHeat>
+      walls{};  ///< in the order of the solver's walls, as far as it goes; the others are insulated
   double ambient_temperature = 293.15;  ///< of the air and of what the free surface faces [K]
   double convection = 0;                ///< >= 0: heat transfer from the free surface to the air [W/(m2 K)]
   double emissivity = 0;                ///< of the free surface, grey, in [0, 1]

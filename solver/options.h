@@ -54,9 +54,9 @@ struct FluidOptions {
   /// Of fluids 0, 1, ..., as far as it goes: the laws of those that are not Newtonian, in place of their
   /// viscosities above.
   std::vector<Rheology> rheologies;
-  /// Likewise, where there is heat: of those whose viscosity depends on the temperature T. It is a(T) nu(a(T) g) at the
-  /// shear rate g, with nu(g) the viscosity above, that at the reference temperature: the stress is a
-  /// function of a(T) g (the superposition of time and temperature of Ferry, 1950).
+  /// Likewise, where there is heat: of those whose viscosity depends on the temperature T. It is a(T) nu(a(T)
+  /// g) at the shear rate g, with nu(g) the viscosity above, that at the reference temperature: the stress is
+  /// a function of a(T) g (the superposition of time and temperature of Ferry, 1950).
   std::vector<TemperatureLaw> temperature_laws;
   std::optional<HeatOptions> heat;  ///< without it nothing has a temperature
   std::vector<Emitter> emitters;

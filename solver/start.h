@@ -20,8 +20,8 @@ void check_start(std::span<const Vec3> position, std::span<const Vec3> velocity,
                  std::span<const std::uint8_t> fluid, std::size_t fluids, std::span<const int> source,
                  std::span<const SolidWall> walls);
 
-/// Throws InvalidInput for another number of temperatures than of particles, where there are any, for one that is not
-/// above 0 K, and for temperatures without heat.
+/// Throws InvalidInput for another number of temperatures than of particles, where there are any, for one
+/// that is not above 0 K, and for temperatures without heat.
 void check_temperatures(std::span<const double> temperature, std::size_t particles,
                         const FluidOptions& options);
 

@@ -43,8 +43,7 @@ struct CheckLaw {
     require_reference(law.reference_temperature);
   }
   void operator()(const VogelFulcherTammann& law) const {
-    require(std::isfinite(law.constant) && law.constant >= 0, "Vogel constant", law.constant,
-            "0 or greater");
+    require(std::isfinite(law.constant) && law.constant >= 0, "Vogel constant", law.constant, "0 or greater");
     require_reference(law.reference_temperature);
     require(law.vogel_temperature >= 0 && law.vogel_temperature < law.reference_temperature,
             "Vogel temperature", law.vogel_temperature, "0 or greater and below the reference temperature");

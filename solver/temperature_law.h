@@ -5,7 +5,8 @@
 
 namespace kappaflow {
 
-// The laws give the shift factor a(T) [1], 1 at the reference temperature and the larger the colder the liquid is.
+// The laws give the shift factor a(T) [1], 1 at the reference temperature and the larger the colder the
+// liquid is.
 
 /// Arrhenius, "Ueber die innere Reibung verduennter waesseriger Loesungen" (1887):
 ///   a(T) = exp(E / R (1 / T - 1 / T_r)),   R the gas constant.

@@ -231,16 +231,16 @@ void ViscositySolver::solve_system(ConjugateGradients& step, double time_step, V
 ViscositySolve ViscositySolver::solve(FluidParticles& particles, const NeighbourLists& lists,
                                       const WallSums& walls, float time_step) {
   if (forces_.none()) return {};
-  const auto find_viscosities = [&] {
-    forces_.find_viscosities(particles, lists, walls, particles.viscous_velocity);
+  const auto find_viscosities = [&](bool again) {
+    forces_.find_viscosities(particles, lists, walls, particles.viscous_velocity, again);
   };
-  if (forces_.vary()) find_viscosities();
+  if (forces_.vary()) find_viscosities(false);
   ConjugateGradients step(*this, preconditioner_, particles, lists, walls, time_step);
   ViscositySolve result;
   solve_system(step, static_cast<double>(time_step), result);
   for (int before = -1; forces_.depend_on_flow() && result.iterations > before;) {
     before = result.iterations;
-    find_viscosities();
+    find_viscosities(true);
     solve_system(step, static_cast<double>(time_step), result);
   }
   balance_.restore(preconditioner_, forces_, particles, lists, walls, time_step, particles.viscous_velocity);

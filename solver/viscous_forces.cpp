@@ -1,6 +1,7 @@
 #include "solver/viscous_forces.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/parallel.h"
 #include "solver/shear_rate.h"
@@ -13,6 +14,14 @@ namespace {
 /// spacing, for g vanishes there.
 float wall_distance(float friction, float spacing) {
   return 1 / (spacing * std::max(friction, 1 / (spacing * spacing)));
+}
+
+/// How much of the way, in its logarithm, a viscosity goes from one iterate to the next. The iteration turns
+/// a small relative error of the shear rate into 1 - n times it; of liquid that thickens, so much of the way
+/// leaves none.
+float share_of_step(const Rheology& law) {
+  const auto* const power = std::get_if<HerschelBulkley>(&law);
+  return power != nullptr && power->index > 1 ? static_cast<float>(1 / power->index) : 1;
 }
 
 }  // namespace
@@ -41,11 +50,11 @@ ViscousForces::ViscousForces(const FluidOptions& options)
 }
 
 void ViscousForces::find_viscosities(FluidParticles& particles, const NeighbourLists& lists,
-                                     const WallSums& walls, const std::vector<Vec4f>& v) {
+                                     const WallSums& walls, const std::vector<Vec4f>& v, bool again) {
   const std::size_t n = particles.size();
   particles.viscosity.resize(n);
   particles.wall_viscosity.resize(n);
-  parallel_for(n, [&](std::size_t i) { find_viscosity(i, particles, lists, walls, v); });
+  parallel_for(n, [&](std::size_t i) { find_viscosity(i, particles, lists, walls, v, again); });
   for (std::size_t fluid = 0; fluid < fluids_; ++fluid)
     if (laws_[fluid].varies())
       viscosity_[fluid] = parallel_max(
@@ -53,7 +62,7 @@ void ViscousForces::find_viscosities(FluidParticles& particles, const NeighbourL
 }
 
 void ViscousForces::find_viscosity(std::size_t i, FluidParticles& particles, const NeighbourLists& lists,
-                                   const WallSums& walls, const std::vector<Vec4f>& v) const {
+                                   const WallSums& walls, const std::vector<Vec4f>& v, bool again) const {
   const std::uint8_t fluid = particles.fluid[i];
   const Law& law = laws_[fluid];
   const double shift = has_temperature_law(law.of_temperature)
@@ -68,14 +77,17 @@ void ViscousForces::find_viscosity(std::size_t i, FluidParticles& particles, con
   const auto at_rate = [&](float rate) {
     return static_cast<float>(shift * viscosity_at(law.of_shear, shift * static_cast<double>(rate)));
   };
-  own = at_rate(shear_rate(i, particles, lists, walls, v, spacing_, slip_));
-  at_wall = wall_viscosity_[fluid];
+  const float share = again ? share_of_step(law.of_shear) : 1;
+  const auto approach = [&](float& viscosity, float found) {
+    viscosity = share < 1 ? std::pow(found, share) * std::pow(viscosity, 1 - share) : found;
+  };
+  approach(own, at_rate(shear_rate(i, particles, lists, walls, v, spacing_, slip_)));
   if (!walls.touches(i)) return;
   Vec4f u = v[i];
   if (!walls.velocity.empty()) u -= without_fourth(walls.velocity[walls.contact[i]]);
   const Vec4f friction = walls.friction[walls.contact[i]], n = without_fourth(friction);
   const float along = (u - n.dot(u) * n).norm();
-  at_wall = slip_ * at_rate(slip_ * along / wall_distance(friction[3], spacing_));
+  approach(at_wall, slip_ * at_rate(slip_ * along / wall_distance(friction[3], spacing_)));
 }
 
 bool ViscousForces::none() const {

@@ -83,9 +83,10 @@ class ViscousForces {
   /// Whether there are fluids that are not Newtonian.
   bool depend_on_flow() const { return depend_on_flow_; }
   /// Finds the viscosities of all particles, for their temperatures and shear rates in the flow v: nu_i from
-  /// shear_rate(), nu_i' from that between the particle and the wall. Precondition: vary().
+  /// shear_rate(), nu_i' from that between the particle and the wall. again: those of `particles` are of
+  /// the iterate before. Precondition: vary().
   void find_viscosities(FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,
-                        const std::vector<Vec4f>& v);
+                        const std::vector<Vec4f>& v, bool again = false);
   /// Whether viscous forces can change the particle's velocity: it is viscous and not led.
   bool act_on(std::size_t i, const FluidParticles& particles) const {
     if (particles.led_by[i] != 0) return false;
@@ -123,16 +124,16 @@ class ViscousForces {
     return vary() ? particles.wall_viscosity[i] : wall_viscosity_[particles.fluid[i]];
   }
   void find_viscosity(std::size_t i, FluidParticles& particles, const NeighbourLists& lists,
-                      const WallSums& walls, const std::vector<Vec4f>& v) const;
+                      const WallSums& walls, const std::vector<Vec4f>& v, bool again) const;
 
   ViscosityWeight weight_;
   float spacing_, slip_;  // slip: d / (d + slip length), d the contact distance
   std::size_t fluids_;
-  std::vector<float> viscosity_;       // kinematic, by i, see viscosity() [m2/s]
+  std::vector<float> viscosity_;            // kinematic, by i, see viscosity() [m2/s]
   std::vector<float> reference_viscosity_;  // the same at the reference temperature
-  std::vector<float> pair_viscosity_;  // by i and j: the harmonic mean [m2/s]
-  std::vector<float> pair_scale_;      // times the weight's scale
-  std::vector<float> wall_viscosity_;  // by i: the same times slip_
+  std::vector<float> pair_viscosity_;       // by i and j: the harmonic mean [m2/s]
+  std::vector<float> pair_scale_;           // times the weight's scale
+  std::vector<float> wall_viscosity_;       // by i: the same times slip_
   struct Law {
     Rheology of_shear;
     TemperatureLaw of_temperature;

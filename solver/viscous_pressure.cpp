@@ -52,7 +52,8 @@ ViscousPressure::ViscousPressure(const FluidOptions& options)
   for (std::size_t fluid = 0; fluid < options.fluids(); ++fluid) {
     // Whether liquid whose viscosity depends on its temperature is thick, its particles say.
     const bool may_be = has_temperature_law(options.temperature_law(fluid));
-    const double viscosity = options.viscosity(fluid), unit = options.spacing * options.spacing / options.max_time_step;
+    const double viscosity = options.viscosity(fluid),
+                 unit = options.spacing * options.spacing / options.max_time_step;
     const bool thick = may_be || is_thick(viscosity, options);
     needed_ = needed_ || thick;
     const double most = may_be ? kMostThick * unit : std::min(viscosity, kMostThick * unit);

@@ -247,7 +247,8 @@ TEST(GoodScenes, HeatArrives) {
   EXPECT_EQ(std::get<Arrhenius>(fluid.temperature_law(2)).reference_temperature, 305);
   EXPECT_EQ(fluid.emitters[0].temperature, 350);
   using Kind = WallHeat::Kind;
-  EXPECT_EQ(heat.walls, (std::vector<WallHeat>{{}, {}, {}, {Kind::temperature, 280}, {}, {Kind::flux, -200}}));
+  EXPECT_EQ(heat.walls,
+            (std::vector<WallHeat>{{}, {}, {}, {Kind::temperature, 280}, {}, {Kind::flux, -200}}));
   const FluidParticlesAtStart& start = prepared.start;
   ASSERT_EQ(start.temperature.size(), start.position.size());
   for (std::size_t i = 0; i < start.position.size(); ++i)

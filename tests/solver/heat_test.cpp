@@ -115,7 +115,8 @@ TEST(Heat, CrossesTheJumpOfTwoConductivitiesWithoutLoss) {
   const double middle = 300 + 100.0 / 9;  // 8 (T - 300) = 400 - T
   EXPECT_LT(largest_error(solver, points,
                           [&](double y) {
-                            return y < 0.5 ? 300 + (middle - 300) * 2 * y : middle + (400 - middle) * (2 * y - 1);
+                            return y < 0.5 ? 300 + (middle - 300) * 2 * y
+                                           : middle + (400 - middle) * (2 * y - 1);
                           }),
             1);
 }
@@ -136,7 +137,8 @@ TEST(Heat, IsKeptInLiquidThatMovesWithoutIt) {
   o.kinematic_viscosity = 1e-3;
   o.heat->fluids[0].conductivity = 1e5;
   std::vector<double> temperature;
-  for (std::size_t i = 0; i < 1000; ++i) temperature.push_back(300 + 100 * std::sin(static_cast<double>(7 * i)));
+  for (std::size_t i = 0; i < 1000; ++i)
+    temperature.push_back(300 + 100 * std::sin(static_cast<double>(7 * i)));
   Slab slab(o, temperature);
   const double before = heat(slab.solver, o);
   slab.advance(0.3);
@@ -171,7 +173,8 @@ struct Cube {
   double area(const FluidOptions& o) const {
     double sum = 0;
     for (const float density : solver.densities())
-      sum += static_cast<double>(free_area(density / 1000, static_cast<float>(o.spacing))) * std::pow(o.spacing, 3);
+      sum += static_cast<double>(free_area(density / 1000, static_cast<float>(o.spacing))) *
+             std::pow(o.spacing, 3);
     return sum;
   }
   double mean() const {
@@ -216,8 +219,8 @@ TEST(Heat, FreeAreaIsThatOfTheFacesWithoutNeighbours) {
   EXPECT_EQ(free_area(1, h), 0);
   EXPECT_EQ(free_area(1.1f, h), 0);
   EXPECT_EQ(free_area(0.97f, h), 0);
-  EXPECT_NEAR(free_area(5.0f / 6, h), 1 / h, 1e-4f);         // a plane surface
-  EXPECT_NEAR(free_area(4.0f / 6, h), 2 / h, 1e-4f);         // a sheet
+  EXPECT_NEAR(free_area(5.0f / 6, h), 1 / h, 1e-4f);               // a plane surface
+  EXPECT_NEAR(free_area(4.0f / 6, h), 2 / h, 1e-4f);               // a sheet
   EXPECT_NEAR(free_area(0.318f, h), 4.84f / h, 0.2f * 4.84f / h);  // a drop of one particle
 }
 
@@ -288,8 +291,10 @@ TEST(Heat, RefusesWhatIsOutOfRange) {
 
 // exp(E / R (1 / 250 - 1 / 300)) by hand; B / 500 - B / 900 for Vogel's law.
 TEST(TemperatureLaw, FollowsTheFormulas) {
-  EXPECT_NEAR(shift_factor(Arrhenius{5e4, 300}, 250), std::exp(5e4 / 8.31446261815324 * (1.0 / 250 - 1.0 / 300)), 1e-9);
-  EXPECT_NEAR(shift_factor(VogelFulcherTammann{1000, 500, 1400}, 1000), std::exp(1000.0 / 500 - 1000.0 / 900), 1e-12);
+  EXPECT_NEAR(shift_factor(Arrhenius{5e4, 300}, 250),
+              std::exp(5e4 / 8.31446261815324 * (1.0 / 250 - 1.0 / 300)), 1e-9);
+  EXPECT_NEAR(shift_factor(VogelFulcherTammann{1000, 500, 1400}, 1000), std::exp(1000.0 / 500 - 1000.0 / 900),
+              1e-12);
   EXPECT_EQ(shift_factor(VogelFulcherTammann{1000, 500, 1400}, 1400), 1);
   EXPECT_EQ(shift_factor(Arrhenius{5e4, 300}, 300), 1);
   EXPECT_EQ(shift_factor(TemperatureLaw(), 10), 1);

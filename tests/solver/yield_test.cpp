@@ -1,5 +1,6 @@
 // The viscous solve of liquids whose viscosity depends on the shear rate, and what becomes of a heap of one
 // with a yield stress.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
@@ -39,9 +40,13 @@ Liquid swirling_blob() {
   return Liquid(points, velocity, kSpacing, wall);
 }
 
-const std::vector<Rheology> kLaws{HerschelBulkley{0, 0.5, 0.4, 100},  HerschelBulkley{2, 0.3, 1, 100},
-                                  HerschelBulkley{20, 0.3, 0.5, 1e3}, HerschelBulkley{0, 0.3, 1.8, 100},
-                                  Carreau{5, 0.01, 2, 0.3},           Cross{5, 0.01, 2, 0.8}};
+const std::vector<Rheology> kLaws{HerschelBulkley{0, 0.5, 0.4, 100},
+                                  HerschelBulkley{2, 0.3, 1, 100},
+                                  HerschelBulkley{20, 0.3, 0.5, 1e3},
+                                  HerschelBulkley{0, 0.3, 1.8, 100},
+                                  HerschelBulkley{0, 0.3, 2, 100},
+                                  Carreau{5, 0.01, 2, 0.3},
+                                  Cross{5, 0.01, 2, 0.8}};
 
 TEST(Yield, PowerLawOfIndexOneIsNewtonian) {
   FluidOptions newtonian = options({}, 1e-5);
@@ -73,6 +78,18 @@ TEST(Yield, SolvesTheNonlinearSystem) {
     const double fall = o.gravity.norm() * static_cast<double>(kTimeStep);
     const double scale = std::clamp(std::min((found - start).norm(), found.norm()) / n, 0.1 * fall, fall);
     EXPECT_LT((next - found).norm() / n, 1.5 * o.viscosity_tolerance * scale) << law.index();
+  }
+}
+
+TEST(Yield, LiquidThatThickensTakesFewSystems) {
+  for (const double index : {1.5, 1.8, 2.0}) {
+    Liquid liquid = swirling_blob();
+    const ViscositySolve solve = ViscositySolver(options(HerschelBulkley{0, 0.3, index, 100}, 1e-2))
+                                     .solve(liquid.particles, liquid.lists, liquid.wall_sums, kTimeStep);
+    EXPECT_LE(solve.error, 1) << index;
+    EXPECT_LE(solve.systems, 8) << index;
+    RecordProperty(fmt::format("systems_{}", index), solve.systems);
+    std::printf("index %g systems %d iterations %d\n", index, solve.systems, solve.iterations);
   }
 }
 

@@ -3,13 +3,13 @@
 
 namespace kappaflow {
 
-/// Two emitters and viscosities, a turning wall, tension, lone drops, and
-/// steps of the surfaces of several of the liquid's.
+/// Two emitters, one of them late, three liquids, two of which yield or thin and stiffen as they cool, heat,
+/// a turning hot wall, tension, lone drops, and steps of the surfaces of several of the liquid's.
 inline constexpr const char* kEverythingScene = R"(
 duration = 0.12
 [fluid]
 spacing = 0.05
-kinematic_viscosity = 0.5
+material = "paste"
 surface_tension = 0.05
 [[fluid.block]]
 shape = "box"
@@ -23,6 +23,7 @@ direction = [0, -1, 0]
 radius = 0.1
 speed = 2.0
 kinematic_viscosity = 2.0
+temperature = 350
 [[fluid.emitter]]
 shape = "disc"
 position = [0.4, 0.3, 0]
@@ -31,13 +32,43 @@ radius = 0.1
 speed = 3.0
 start = 0.02
 particle_limit = 30
+material = "melt"
+temperature = 420
 [[wall]]
 shape = "box"
 lower = [-0.6, -0.2, -0.6]
 upper = [0.6, 0.0, 0.6]
+temperature = 500
 axis = [0, 1, 0]
 [[wall.motion]]
 angular_velocity = 3
+[heat]
+temperature = 300
+specific_heat = 1000
+conductivity = 1000
+ambient_temperature = 290
+convection = 1000
+emissivity = 0.9
+[[material]]
+name = "paste"
+model = "bingham"
+yield_stress = 100
+plastic_viscosity = 400
+regularisation = 10
+temperature_law = "arrhenius"
+activation_energy = 2e4
+reference_temperature = 300
+[[material]]
+name = "melt"
+model = "carreau"
+zero_shear_viscosity = 2000
+time_constant = 0.5
+index = 0.5
+temperature_law = "vogel-fulcher-tammann"
+vogel_constant = 400
+vogel_temperature = 200
+reference_temperature = 400
+conductivity = 10
 [surface]
 methods = ["curvature", "regional", "fresh-nearest", "fresh-particles", "fresh-grid"]
 anchor = "particles"

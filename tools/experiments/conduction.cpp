@@ -13,21 +13,24 @@
 namespace kappaflow {
 namespace {
 
-// The particles of walls lie irregularly, and so does what each conducts: about a tenth at the wall, which the
-// layers above see as a tenth of half a spacing.
+// The particles of walls lie irregularly, and so does what each conducts: about a tenth at the wall, which
+// the layers above see as a tenth of half a spacing.
 constexpr double kConductionLimit = 0.02;  // RMS over the layers, relative to the jump of temperature
 constexpr double kConductionOrder = 0.9;   // of convergence: 1, that at irregular walls
-// The free area of a sphere that is cut out of a lattice is a tenth too large (solver/heat.h), and half of the
-// resistance lies at the surface where the Biot number is 1.
+// The free area of a sphere that is cut out of a lattice is a tenth too large (solver/heat.h), and half of
+// the resistance lies at the surface where the Biot number is 1.
 constexpr double kCoolingLimit = 0.05;  // of the mean and the middle temperature, relative to the jump
 // Rounding of sums over the particles.
 constexpr double kBalanceLimit = 1e-6;  // of the heat, relative to what went through the surface
 
-const Claim kConductsAsFourier{"Fourier's law", "Heat enters a layer as the series says.",
-                               "RMS over the layers of the mean over the middle, relative to the jump at the wall."};
-const Claim kHeatConverges{"kappaflow", "The error falls with the spacing.", "Order of the error in the spacing."};
-const Claim kCoolsAsTheSeries{"Newton's law of cooling", "A sphere cools as the series says.",
-                              "Largest difference over time, relative to the first one between sphere and air."};
+const Claim kConductsAsFourier{
+    "Fourier's law", "Heat enters a layer as the series says.",
+    "RMS over the layers of the mean over the middle, relative to the jump at the wall."};
+const Claim kHeatConverges{"kappaflow", "The error falls with the spacing.",
+                           "Order of the error in the spacing."};
+const Claim kCoolsAsTheSeries{
+    "Newton's law of cooling", "A sphere cools as the series says.",
+    "Largest difference over time, relative to the first one between sphere and air."};
 const Claim kKeepsHeat{"first law", "What the liquid gains is what came through its boundary.",
                        "Difference over what came through."};
 
@@ -70,7 +73,8 @@ struct LayerResult {
   double error, balance;
 };
 
-/// Means over the particles of each height in the middle of the layer: beside its open sides fewer neighbours conduct.
+/// Means over the particles of each height in the middle of the layer: beside its open sides fewer neighbours
+/// conduct.
 std::vector<Vec2> layer_profile(const FluidSolver& liquid, const Scene& scene, double jump) {
   const auto& box = std::get<BoxShape>(scene.blocks.front().shape);
   const Vec3 size = box.upper - box.lower, middle = (box.upper + box.lower) / 2;
@@ -82,7 +86,8 @@ std::vector<Vec2> layer_profile(const FluidSolver& liquid, const Scene& scene, d
     const Vec3 from = position[i] - middle;
     if (std::abs(from.x()) > size.x() / 4 || std::abs(from.z()) > size.z() / 4) continue;
     const double y = position[i].y() - box.lower.y();
-    const auto layer = std::min(static_cast<std::size_t>(std::max(y / scene.fluid.spacing, 0.0)), sum.size() - 1);
+    const auto layer =
+        std::min(static_cast<std::size_t>(std::max(y / scene.fluid.spacing, 0.0)), sum.size() - 1);
     sum[layer] += Vec2(y / size.y(), (temperature[i] - scene.fluid.heat->temperature) / jump);
     count[layer] += 1;
   }
@@ -93,7 +98,8 @@ std::vector<Vec2> layer_profile(const FluidSolver& liquid, const Scene& scene, d
 LayerResult run_layer(const Scene& scene) {
   const Heated heated(scene);
   const auto& box = std::get<BoxShape>(scene.blocks.front().shape);
-  const double height = box.upper.y() - box.lower.y(), jump = scene.fluid.heat->walls.front().value - heated.first;
+  const double height = box.upper.y() - box.lower.y(),
+               jump = scene.fluid.heat->walls.front().value - heated.first;
   FluidSolver liquid = make_liquid(scene);
   double came = 0;
   advance(liquid, scene.duration, [&](const FluidStep& step) { came += step.heat_from_walls; });
@@ -164,7 +170,8 @@ SphereResult run_sphere(const Scene& scene, double biot) {
 
 double biot_number(const Scene& scene) {
   const HeatOptions& heat = *scene.fluid.heat;
-  return heat.convection * std::get<SphereShape>(scene.blocks.front().shape).radius / heat.fluids.front().conductivity;
+  return heat.convection * std::get<SphereShape>(scene.blocks.front().shape).radius /
+         heat.fluids.front().conductivity;
 }
 
 std::string at_spacing(double spacing) {
@@ -176,11 +183,14 @@ std::string at_spacing(double spacing) {
 Report validate_conduction(const ExperimentContext& context) {
   const Scene scene = load_scene(context.file);
   const Heated heated(scene);
-  const std::vector<double> whole{1, 0.5, 0.25}, factors = context.options.quick ? std::vector{1.0, 0.5} : whole;
+  const std::vector<double> whole{1, 0.5, 0.25},
+      factors = context.options.quick ? std::vector{1.0, 0.5} : whole;
   const double height = std::get<BoxShape>(scene.blocks.front().shape).upper.y() -
                         std::get<BoxShape>(scene.blocks.front().shape).lower.y(),
                fourier = heated.diffusivity * scene.duration / (height * height);
-  Plot plot{"Temperature of a layer on a hot wall", "height / thickness", "(T - T_first) / (T_wall - T_first)",
+  Plot plot{"Temperature of a layer on a hot wall",
+            "height / thickness",
+            "(T - T_first) / (T_wall - T_first)",
             {{"series", sampled([&](double y) { return known_layer(y, fourier); }, 0, 1), Look::reference}}};
   std::vector<std::vector<double>> rows, profiles;
   std::vector<Vec2> errors;
@@ -202,15 +212,17 @@ Report validate_conduction(const ExperimentContext& context) {
   Report report;
   report.name = context.name;
   report.title = scene.title;
-  report.introduction =
-      fmt::format("`{}`: a layer whose floor is hot from the start and whose top is insulated, at the time "
-                  "{:.3g} (thickness)^2 / diffusivity.",
-                  context.file.filename().string(), fourier);
+  report.introduction = fmt::format(
+      "`{}`: a layer whose floor is hot from the start and whose top is insulated, at the time "
+      "{:.3g} (thickness)^2 / diffusivity.",
+      context.file.filename().string(), fourier);
   add_smaller(report, "spacing", spacings_text(scene, factors), spacings_text(scene, whole));
-  report.statements = {judged(kConductsAsFourier, error),
-                       judged(kHeatConverges, {at_least("order", fit_power_law(errors).exponent, kConductionOrder)}),
-                       judged(kKeepsHeat, balance)};
-  add_plots(report, context, context.name, std::vector{plot}, "Mean temperature of the layers against the series.");
+  report.statements = {
+      judged(kConductsAsFourier, error),
+      judged(kHeatConverges, {at_least("order", fit_power_law(errors).exponent, kConductionOrder)}),
+      judged(kKeepsHeat, balance)};
+  add_plots(report, context, context.name, std::vector{plot},
+            "Mean temperature of the layers against the series.");
   report.files = {"summary.csv", "profiles.csv"};
   return report;
 }
@@ -219,7 +231,8 @@ Report validate_cooling(const ExperimentContext& context) {
   const Scene scene = load_scene(context.file);
   const double biot = biot_number(scene);
   const std::vector<double> whole{1, 0.5}, factors = context.options.quick ? std::vector{1.0} : whole;
-  Plot plot{"A sphere cools in the air", "time / (radius^2 / diffusivity)", "(T - T_air) / (T_first - T_air)", {}};
+  Plot plot{
+      "A sphere cools in the air", "time / (radius^2 / diffusivity)", "(T - T_air) / (T_first - T_air)", {}};
   std::vector<std::vector<double>> rows, times;
   std::vector<Check> error, balance;
   for (const double factor : factors) {
@@ -238,18 +251,20 @@ Report validate_cooling(const ExperimentContext& context) {
   }
   const double last = times.back()[1];
   for (const int which : {0, 1})
-    plot.curves.push_back({which == 0 ? "series" : "",
-                           sampled([&](double fourier) { return known_sphere(fourier, biot)[which]; }, last / 100, last),
-                           Look::reference});
+    plot.curves.push_back(
+        {which == 0 ? "series" : "",
+         sampled([&](double fourier) { return known_sphere(fourier, biot)[which]; }, last / 100, last),
+         Look::reference});
   write_file(context.folder / "temperatures.csv", csv_text("spacing,time,mean,middle", times));
-  write_file(context.folder / "summary.csv", csv_text("spacing,particles,mean_error,middle_error,balance", rows));
+  write_file(context.folder / "summary.csv",
+             csv_text("spacing,particles,mean_error,middle_error,balance", rows));
 
   Report report;
   report.name = context.name;
   report.title = scene.title;
-  report.introduction = fmt::format(
-      "`{}`: a sphere with the Biot number {:.3g}; convection times radius over conductivity.",
-      context.file.filename().string(), biot);
+  report.introduction =
+      fmt::format("`{}`: a sphere with the Biot number {:.3g}; convection times radius over conductivity.",
+                  context.file.filename().string(), biot);
   add_smaller(report, "spacing", spacings_text(scene, factors), spacings_text(scene, whole));
   report.statements = {judged(kCoolsAsTheSeries, error), judged(kKeepsHeat, balance)};
   add_plots(report, context, context.name, std::vector{plot}, "Temperatures against the series.");

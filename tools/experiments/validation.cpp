@@ -27,7 +27,7 @@ std::string spacings_text(const Scene& scene, std::span<const double> factors) {
 FluidSolver make_liquid(const Scene& scene) {
   const PreparedScene prepared = prepare(scene);
   const FluidParticlesAtStart& start = prepared.start;
-  return {scene.fluid,   start.position, start.velocity, prepared.walls,
+  return {scene.fluid, start.position, start.velocity,   prepared.walls,
           start.fluid, start.source,   start.temperature};
 }
 

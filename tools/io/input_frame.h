@@ -33,11 +33,11 @@ struct InputFrame {
 ///   .hdf5      PySPH's own
 ///   .csv       with the columns x, y, z, perhaps id, vx, vy, vz and radius (see number_table.h)
 /// VTK's arrays are known by these names, in upper or lower case: id, ids, idp, gid, particle_id;
-/// velocity, vel, v (3 components) or u, v, w or vx, vy, vz; density, rho, rhop; pressure, press, p; temperature, temp; source
-/// (only where all are whole numbers); radius, particle_radius, pscale, and h of PySPH's; the field array
-/// TimeValue or time. DualSPHysics' particles of walls (beside Idp a Type other than 3) are left out, as are
-/// PySPH's remote and ghost particles (tag not 0). Throws IoError (not readable, not complete), InvalidInput
-/// (no particles, a number that is not finite).
+/// velocity, vel, v (3 components) or u, v, w or vx, vy, vz; density, rho, rhop; pressure, press, p;
+/// temperature, temp; source (only where all are whole numbers); radius, particle_radius, pscale, and h of
+/// PySPH's; the field array TimeValue or time. DualSPHysics' particles of walls (beside Idp a Type other than
+/// 3) are left out, as are PySPH's remote and ghost particles (tag not 0). Throws IoError (not readable, not
+/// complete), InvalidInput (no particles, a number that is not finite).
 InputFrame read_input_frame(const std::filesystem::path& file);
 
 /// Whether the ending of the name is one of those.

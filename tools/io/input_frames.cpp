@@ -8,8 +8,8 @@ namespace kappaflow {
 namespace {
 
 std::size_t bytes_in(const InputFrame& frame) {
-  return bytes_of(frame.position, frame.id, frame.velocity, frame.density, frame.pressure, frame.temperature, frame.source,
-                  frame.radius);
+  return bytes_of(frame.position, frame.id, frame.velocity, frame.density, frame.pressure, frame.temperature,
+                  frame.source, frame.radius);
 }
 
 }  // namespace

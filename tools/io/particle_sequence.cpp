@@ -332,8 +332,8 @@ ParticleFrame ParticleSequence::frame(std::size_t frame) {
   ParticleFrame result{{time(frame), {}, ordered(now.position, order), ordered(now.velocity, order)},
                        ordered(now.density, order),
                        ordered(now.pressure, order),
-                       ordered(now.temperature, order),
-                       ordered(now.source, order)};
+                       ordered(now.source, order),
+                       ordered(now.temperature, order)};
   Particles& particles = result.particles;
   if (radius_ > 0)
     for (const std::size_t i : order) particles.scale.push_back(now.radius[i] / radius_);

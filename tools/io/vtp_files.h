@@ -16,9 +16,9 @@
 
 namespace kappaflow {
 
-/// Point arrays velocity, density, pressure, temperature, source, id, weight and sigma, as far as they are known; every
-/// particle is a vertex cell, so that ParaView shows it. weight: w_i of Eq. 12, one a particle, or none;
-/// sigma: its support radius [m]. The last two let `kappaflow probe` read the file.
+/// Point arrays velocity, density, pressure, temperature, source, id, weight and sigma, as far as they are
+/// known; every particle is a vertex cell, so that ParaView shows it. weight: w_i of Eq. 12, one a particle,
+/// or none; sigma: its support radius [m]. The last two let `kappaflow probe` read the file.
 vtkSmartPointer<vtkPolyData> particle_data(const ParticleFrame& frame, std::span<const double> weight = {},
                                            double sigma = 0);
 

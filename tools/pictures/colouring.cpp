@@ -98,11 +98,13 @@ vtkSmartPointer<vtkColorTransferFunction> colour_scale(ValueRange range, bool gl
   }
   constexpr double kViridis[][3] = {{0.267, 0.005, 0.329}, {0.254, 0.265, 0.530}, {0.164, 0.471, 0.558},
                                     {0.135, 0.659, 0.518}, {0.478, 0.821, 0.319}, {0.993, 0.906, 0.144}};
-  constexpr double kInferno[][3] = {{0.001, 0.000, 0.014}, {0.258, 0.039, 0.406}, {0.578, 0.148, 0.404}, {0.865, 0.317, 0.226}, {0.988, 0.645, 0.040}, {0.988, 0.998, 0.645}};
+  constexpr double kInferno[][3] = {{0.001, 0.000, 0.014}, {0.258, 0.039, 0.406}, {0.578, 0.148, 0.404},
+                                    {0.865, 0.317, 0.226}, {0.988, 0.645, 0.040}, {0.988, 0.998, 0.645}};
   const auto& colours = glows ? kInferno : kViridis;
   for (std::size_t k = 0; k < std::size(colours); ++k)
-    scale->AddRGBPoint(low + (high - low) * static_cast<double>(k) / static_cast<double>(std::size(colours) - 1), colours[k][0],
-                       colours[k][1], colours[k][2]);
+    scale->AddRGBPoint(
+        low + (high - low) * static_cast<double>(k) / static_cast<double>(std::size(colours) - 1),
+        colours[k][0], colours[k][1], colours[k][2]);
   return scale;
 }
 

@@ -68,10 +68,10 @@ std::string heat_text(const WallHeat& heat) {
 
 std::string heat_line(const std::optional<HeatOptions>& heat) {
   if (!heat) return "";
-  const std::string air =
-      heat->cools() ? fmt::format("air at {:.5g} K, convection {:.4g} W/(m2 K), emissivity {:.4g}",
-                                  heat->ambient_temperature, heat->convection, heat->emissivity)
-                    : "none lost to the air";
+  const std::string air = heat->cools()
+                              ? fmt::format("air at {:.5g} K, convection {:.4g} W/(m2 K), emissivity {:.4g}",
+                                            heat->ambient_temperature, heat->convection, heat->emissivity)
+                              : "none lost to the air";
   return fmt::format("  heat      liquid at {:.5g} K, {}\n", heat->temperature, air);
 }
 

@@ -136,7 +136,8 @@ constexpr MetricColumn kColumns[] = {
     of_frame<&Frame::viscosity_error>("viscosity_error", "1",
                                       "error of the velocities after viscosity over what "
                                       "viscosity_tolerance allows: the largest since the last frame"),
-    of_frame<&Frame::temperature_min>("temperature_min", "K", "of the coldest particle, in a scene with heat"),
+    of_frame<&Frame::temperature_min>("temperature_min", "K",
+                                      "of the coldest particle, in a scene with heat"),
     of_frame<&Frame::temperature_mean>("temperature_mean", "K", "mean over the particles"),
     of_frame<&Frame::temperature_max>("temperature_max", "K", "of the hottest particle"),
     of_surface<&Surface::vertices>("vertices", "1", Better::neither, "how many the mesh has"),

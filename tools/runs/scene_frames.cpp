@@ -59,8 +59,8 @@ FrameReport SceneFrames::take_report(int frame) {
 ParticleFrame SceneFrames::particles() const {
   const FluidSolver& fluid = simulation_.fluid();
   const std::vector<double> temperature = fluid.temperatures();
-  return {fluid.particles(), fluid.densities(), fluid.pressures(),
-          std::vector<float>(temperature.begin(), temperature.end()), fluid.sources()};
+  return {fluid.particles(), fluid.densities(), fluid.pressures(), fluid.sources(),
+          std::vector<float>(temperature.begin(), temperature.end())};
 }
 
 std::string SceneFrames::kept_particles(const std::filesystem::path& file) const {

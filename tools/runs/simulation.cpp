@@ -20,8 +20,7 @@ constexpr double kRepairPath = 0.8;  // of a particle from one repair of the mes
 FluidSolver make_fluid(const Scene& scene, FluidParticlesAtStart&& particles,
                        std::span<const SolidWall> walls) {
   const FluidParticlesAtStart start = std::move(particles);
-  return {scene.fluid, start.position, start.velocity, walls, start.fluid, start.source,
-          start.temperature};
+  return {scene.fluid, start.position, start.velocity, walls, start.fluid, start.source, start.temperature};
 }
 
 /// A cube of liquid of which more than half is further than sigma from the faces. The liquid with which an

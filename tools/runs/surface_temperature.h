@@ -10,8 +10,8 @@ namespace kappaflow {
 /// Gives the surfaces an array `temperature` [K].
 void add_temperatures(TrackedSurfaces& surfaces);
 
-/// Fills it with means of the particles near the vertices, see particle_means(), and the metrics with those of all.
-/// Does nothing for particles without temperatures. Precondition: add_temperatures() before.
+/// Fills it with means of the particles near the vertices, see particle_means(), and the metrics with those
+/// of all. Does nothing for particles without temperatures. Precondition: add_temperatures() before.
 void set_temperatures(const ParticleFrame& frame, TrackedSurfaces& surfaces, FrameMetrics& metrics);
 
 }  // namespace kappaflow

@@ -10,6 +10,7 @@
 
 #include "core/text_hash.h"
 #include "scenes/estimate.h"
+#include "tests/tools/everything_scene.h"
 #include "tests/tools/program.h"
 #include "tests/tools/scratch.h"
 #include "tests/tools/text_table.h"
@@ -179,6 +180,49 @@ TEST_F(Run, InterruptLeavesWholeFrames) {
     expect_finite(*read_vtp(folder / "surface-total" / ("surface_000" + std::to_string(frame) + ".vtp")));
   for (const auto& entry : fs::recursive_directory_iterator(folder))
     EXPECT_NE(entry.path().extension(), ".tmp");
+}
+
+/// Of the array temperature [K].
+std::pair<double, double> temperatures_in(const fs::path& file) {
+  const auto data = read_vtp(file);
+  vtkDataArray* const array = data->GetPointData()->GetArray("temperature");
+  EXPECT_NE(array, nullptr) << file;
+  double range[2] = {0, 0};
+  if (array != nullptr) array->GetRange(range);
+  return {range[0], range[1]};
+}
+
+TEST_F(Run, TemperaturesReachFilesSurfacesAndMetrics) {
+  const fs::path run = folder / "run", track = folder / "track";
+  const std::string scene = file("hot.toml", kEverythingScene).string();
+  ASSERT_EQ(run_program({"run", scene, "--out", run.string(), "--track", "regional,fresh-particles",
+                         "--format", "usd"})
+                .exit_code,
+            0);
+  ASSERT_EQ(
+      run_program({"track", (run / "particles/particles_*.vtp").string(), "--out", track.string()}).exit_code,
+      0);
+  for (const auto& row : read_table(run / "metrics.csv")) {
+    const std::string frame = "000" + row.at("frame") + ".vtp";
+    const double least = std::stod(row.at("temperature_min")), mean = std::stod(row.at("temperature_mean")),
+                 most = std::stod(row.at("temperature_max"));
+    EXPECT_GT(least, 290);
+    EXPECT_LT(least, mean);
+    EXPECT_LT(mean, most);
+    EXPECT_LE(most, 500);
+    const auto [coldest, hottest] = temperatures_in(run / "particles" / ("particles_" + frame));
+    EXPECT_NEAR(coldest, least, 1e-3);
+    EXPECT_NEAR(hottest, most, 1e-3);
+    for (const fs::path& surface :
+         {run / "surface-regional", run / "surface-fresh-particles", track / "surface-regional"}) {
+      const auto [low, high] = temperatures_in(surface / ("surface_" + frame));
+      EXPECT_GE(low, least) << surface;
+      EXPECT_LE(high, most + 1e-3) << surface;
+      EXPECT_GT(high, low + 20) << surface;
+    }
+  }
+  EXPECT_NE(bytes_of(run / "surface-regional/surface.0002.usda").find("primvars:temperature"),
+            std::string::npos);
 }
 
 }  // namespace

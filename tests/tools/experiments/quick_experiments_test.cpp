@@ -309,6 +309,20 @@ TEST_F(QuickExperiment, ValidateSlump) {
   EXPECT_LT(value({{"yield_stress", "0.15"}}, "creep"), 0.005);
 }
 
+TEST_F(QuickExperiment, ValidateConduction) {
+  run("validate-conduction");
+  EXPECT_LT(value({{"spacing", "0.1"}}, "error"), 0.02);
+  EXPECT_LT(value({{"spacing", "0.05"}}, "error"), 0.01);
+  EXPECT_LT(value({{"spacing", "0.1"}}, "balance"), 1e-9);
+}
+
+TEST_F(QuickExperiment, ValidateCooling) {
+  run("validate-cooling");
+  EXPECT_LT(value({{"spacing", "0.1"}}, "mean_error"), 0.05);
+  EXPECT_LT(value({{"spacing", "0.1"}}, "middle_error"), 0.05);
+  EXPECT_LT(value({{"spacing", "0.1"}}, "balance"), 1e-9);
+}
+
 TEST_F(QuickExperiment, ValidateHydrostatic) {
   run("validate-hydrostatic");
   for (const char* error : {"pressure_error", "slope_error", "fluctuation"})

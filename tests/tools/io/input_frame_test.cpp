@@ -81,11 +81,13 @@ TEST_F(InputFrames, TablesAreReadAsOthersWriteThem) {
 
 TEST_F(InputFrames, EveryFormatHoldsTheSameParticles) {
   const Particles body = moved_block(kBodyMotion, 0.3), shuffled = permuted(body, 1);
-  const std::vector<float> density(body.size(), 1000), pressure(body.size(), 5);
+  const std::vector<float> density(body.size(), 1000), pressure(body.size(), 5),
+      temperature(body.size(), 312.5f);
   const std::vector<double> weight(body.size(), 1);
   std::vector<int> source(body.size(), -1);
   source[5] = 12;
-  write_vtp(folder / "kappaflow.vtp", *particle_data({body, density, pressure, source}, weight, 0.2));
+  write_vtp(folder / "kappaflow.vtp",
+            *particle_data({body, density, pressure, source, temperature}, weight, 0.2));
   const std::vector<std::pair<fs::path, Particles>> files{
       {folder / "kappaflow.vtp", body},
       {file("splishsplash.vtk", splishsplash_text(shuffled)), shuffled},
@@ -104,6 +106,7 @@ TEST_F(InputFrames, EveryFormatHoldsTheSameParticles) {
   }
   EXPECT_EQ(read_input_frame(folder / "kappaflow.vtp").time, 0.3);
   EXPECT_EQ(read_input_frame(folder / "kappaflow.vtp").pressure, pressure);
+  EXPECT_EQ(read_input_frame(folder / "kappaflow.vtp").temperature, temperature);
   EXPECT_EQ(read_input_frame(folder / "kappaflow.vtp").source, source);
   EXPECT_TRUE(read_input_frame(folder / "pysph.vtu").source.empty());
   EXPECT_EQ(read_input_frame(folder / "splishsplash.vtk").density, density);

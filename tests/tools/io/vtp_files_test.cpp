@@ -154,14 +154,16 @@ TEST_F(DataFiles, FileIsInlineCompressedBinary) {
 
 TEST_F(DataFiles, ParticlesAreVerticesWithTheirArrays) {
   Particles particles{0.5, {3, 7}, {{1, 2, 3}, {4, 5, 6}}, {{0.5, 0, 0}, {0, 0.25, 0}}};
-  const std::vector<float> density{1000, 1001}, pressure{0, 250};
+  const std::vector<float> density{1000, 1001}, pressure{0, 250}, temperature{290, 310};
   const std::vector<int> source{2, 0};
   const std::vector<double> weight{1, 1.0 / 3};
-  const auto data = written_and_read(particle_data({particles, density, pressure, source}, weight, 0.1));
+  const auto data =
+      written_and_read(particle_data({particles, density, pressure, source, temperature}, weight, 0.1));
   vtkPointData& arrays = *data->GetPointData();
   expect_array(arrays, "velocity", VTK_FLOAT, 3);
   expect_array(arrays, "density", VTK_FLOAT, 1);
   expect_array(arrays, "pressure", VTK_FLOAT, 1);
+  expect_array(arrays, "temperature", VTK_FLOAT, 1);
   expect_array(arrays, "source", VTK_INT, 1);
   expect_array(arrays, "weight", VTK_DOUBLE, 1);
   expect_array(arrays, "sigma", VTK_DOUBLE, 1);
@@ -170,6 +172,7 @@ TEST_F(DataFiles, ParticlesAreVerticesWithTheirArrays) {
   EXPECT_EQ(arrays.GetArray("source")->GetTuple1(0), 2);
   EXPECT_EQ(arrays.GetArray("weight")->GetTuple1(1), 1.0 / 3);
   EXPECT_EQ(arrays.GetArray("pressure")->GetTuple1(1), 250);
+  EXPECT_EQ(arrays.GetArray("temperature")->GetTuple1(1), 310);
   EXPECT_EQ(Vec3(data->GetPoint(1)), Vec3(4, 5, 6));
   EXPECT_EQ(data->GetNumberOfVerts(), 2);
   expect_time(*data, 0.5);

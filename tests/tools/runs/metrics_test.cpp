@@ -14,7 +14,7 @@ TEST(MetricsTable, HasTheDocumentedColumns) {
   EXPECT_EQ(
       metrics_header(),
       "frame,time,method,particles,penetration_max,density_error_mean,density_error_max,"
-      "viscosity_error,vertices,triangles,residual_max,quality_min,quality_mean,area,volume,isosurface_"
+      "viscosity_error,temperature_min,temperature_mean,temperature_max,vertices,triangles,residual_max,quality_min,quality_mean,area,volume,isosurface_"
       "volume,slip,rotation_captured,"
       "tracer_distance,components,genus,isosurface_components,isosurface_genus,kept_fraction,unprojected,"
       "folded_fraction,angles_outside,self_intersections,texture_jump,texture_cracks,texture_distance,"
@@ -24,7 +24,7 @@ TEST(MetricsTable, HasTheDocumentedColumns) {
 }
 
 TEST(MetricsTable, RowMatchesTheHeader) {
-  const FrameMetrics frame{7, 0.28, 1000, 0.25, 1.0 / 3.0, 0.02, 0.5, {{0.75, {2, 3}}}, 14};
+  const FrameMetrics frame{7, 0.28, 1000, 0.25, 1.0 / 3.0, 0.02, 0.5, 300, 310.5, 320, {{0.75, {2, 3}}}, 14};
   SurfaceMetrics surface;
   surface.vertices = 12;
   surface.triangles = 20;
@@ -43,7 +43,7 @@ TEST(MetricsTable, RowMatchesTheHeader) {
   surface.vertices_replaced = 13;
   EXPECT_EQ(
       metrics_row({frame, "total", surface}),
-      "7,0.28,total,1000,0.25,0.333333333333,0.02,0.5,12,20,1e-05,0.5,0.9,3.5,0.625,0.75,,0.875,,1,4,2,3,1,"
+      "7,0.28,total,1000,0.25,0.333333333333,0.02,0.5,300,310.5,320,12,20,1e-05,0.5,0.9,3.5,0.625,0.75,,0.875,,1,4,2,3,1,"
       "5,0,0.125,6,0.5,0.25,,,0.875,1.5,2.5,8,9,10,11,13,14\n");
   EXPECT_EQ(split(metrics_row({frame, "total", surface}), ',').size(), split(metrics_header(), ',').size());
 }
@@ -57,7 +57,7 @@ TEST(MetricsTable, WhatIsNotJudgedStaysEmpty) {
   for (std::size_t c = 0; c < cells.size(); ++c)
     if (cells[c].empty()) empty += names[c] + " ";
   EXPECT_EQ(empty,
-            "penetration_max density_error_mean density_error_max viscosity_error isosurface_volume slip "
+            "penetration_max density_error_mean density_error_max viscosity_error temperature_min temperature_mean temperature_max isosurface_volume slip "
             "rotation_captured tracer_distance isosurface_components isosurface_genus self_intersections "
             "texture_distance texture_flicker surface_without_mesh mesh_without_surface "
             "components_on_lattice genus_on_lattice ");

@@ -19,6 +19,7 @@ void expect_same(const Simulation& one, const Simulation& other) {
   EXPECT_EQ(one.fluid().steps(), other.fluid().steps());
   EXPECT_EQ(one.fluid().pressures(), other.fluid().pressures());
   EXPECT_EQ(one.fluid().sources(), other.fluid().sources());
+  EXPECT_EQ(one.fluid().temperatures(), other.fluid().temperatures());
   EXPECT_EQ(one.particles().position, other.particles().position);
   EXPECT_EQ(one.particles().velocity, other.particles().velocity);
   EXPECT_TRUE(std::ranges::equal(one.tracers().position(), other.tracers().position()));
