@@ -2,8 +2,8 @@
 # each of them, which tests/api.cmake checks; a public header includes public headers only, which install_headers.cmake does.
 set(KAPPAFLOW_PUBLIC_HEADERS
     core/body_motion.h core/bytes.h core/cell_grid.h core/connectivity.h core/errors.h core/named.h
-    core/nearest_on_triangle.h core/parallel.h core/particles.h core/solid_distance.h core/solid_wall.h core/solids.h
-    core/triangle_tree.h core/types.h core/whole_within.h
+    core/nearest_on_triangle.h core/parallel.h core/particles.h core/shapes.h core/solid_distance.h core/solid_wall.h core/solids.h
+    core/time_table.h core/triangle_tree.h core/types.h core/whole_within.h
     surface/field/distance_field.h surface/field/field.h surface/field/grid_spline.h surface/field/jet.h surface/field/particle_field.h surface/field/particle_motion.h
     surface/field/particle_weights.h surface/field/projection.h surface/field/taylor.h surface/field/taylor_terms.h
     surface/field/time_integrator.h
@@ -18,7 +18,7 @@ set(KAPPAFLOW_PUBLIC_HEADERS
     surface/tracker/rest_grid.h
     surface/tracker/rest_pair.h surface/tracker/surface_group.h surface/tracker/surface_methods.h surface/tracker/surface_options.h surface/tracker/surface_tracker.h
     surface/tracker/tracked_surfaces.h surface/tracker/tracker_options.h
-    solver/emitter.h solver/fluid_solver.h solver/heat_options.h solver/options.h solver/rheology.h
+    solver/emitter.h solver/emitter_flow.h solver/fluid_solver.h solver/heat_options.h solver/options.h solver/rheology.h
     solver/temperature_law.h
     scenes/estimate.h scenes/prepared_scene.h scenes/scene.h scenes/view.h
     tools/io/files.h tools/io/particle_frame.h tools/io/pvd.h tools/io/vtp_files.h)

@@ -151,7 +151,8 @@ double energy_to_give(const Scene& scene, const FluidParticlesAtStart& start, co
   };
   for (std::size_t i = 0; i < start.position.size(); ++i) add(start.velocity[i].norm(), start.position[i], 1);
   for (const Emitter& emitter : scene.fluid.emitters)
-    add(emitter.speed, emitter.position, emitted_particles(emitter, scene));
+    add(emitter.mean_speed(emitter.start, std::max(emitter.start, std::min(emitter.end, scene.duration))),
+        emitter.position, emitted_particles(emitter, scene));
   return std::max(0.0, sum / particles - 0.5 * scene.fluid.gravity.norm() * flow.depth);
 }
 
@@ -182,7 +183,7 @@ Flow flow_of(const PreparedScene& prepared, double particles) {
     highest = std::max(highest, potential(scene, start.position[i]));
   }
   for (const Emitter& emitter : scene.fluid.emitters) {
-    flow.fastest_start = std::max(flow.fastest_start, emitter.speed);
+    flow.fastest_start = std::max(flow.fastest_start, emitter.largest_speed(emitter.start, scene.duration));
     highest = std::max(highest, potential(scene, emitter.position));
   }
   const Floor floor = lowest_floor(scene, prepared.walls);
@@ -227,7 +228,7 @@ double stream_area(const Emitter& emitter, double time, const Scene& scene, cons
   const double since = std::min(time, emitter.end) - emitter.start;
   if (since < 0) return 0;
   const double mouth = static_cast<double>(emitter_layer(emitter, spacing).size()) * spacing * spacing;
-  double length = emitter.speed * since + 0.5 * g * since * since;
+  double length = way_of_stream(emitter, 1, emitter.start + since) + 0.5 * g * since * since;
   if (flow.depth > 0)
     length = std::min(length, std::max(0.0, potential(scene, emitter.position) - flow.floor) / g);
   const double volume = emitted_by(emitter, scene, time) * std::pow(spacing, 3),

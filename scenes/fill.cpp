@@ -103,10 +103,11 @@ void check_nozzle(const Scene& scene, std::size_t index, std::span<const SolidWa
   const SourcePosition& where = scene.emitters_where[index];
   const double spacing = scene.fluid.spacing;
   const std::vector<Vec3> layer = emitter_layer(emitter, spacing);
+  const RigidPose pose = emitter.motion.pose(emitter.start);
   std::vector<Vec3> points;
   for (const double behind : {0.0, 0.5, 1.5, kNozzleLength})
     for (const Vec3& x : layer)
-      points.push_back(emitter.position + x - behind * spacing * emitter.direction.normalized());
+      points.push_back(pose * (emitter.position + x - behind * spacing * emitter.direction.normalized()));
   const std::vector<char> is_free =
       free_points(points, walls, emitter.start > 0 ? std::span<const Vec3>() : blocks, spacing);
   for (std::size_t i = 0; i < points.size(); ++i) {

@@ -10,6 +10,7 @@
 
 #include "core/body_motion.h"
 #include "core/errors.h"
+#include "core/shapes.h"
 #include "core/types.h"
 #include "scenes/view.h"
 #include "solver/options.h"
@@ -18,18 +19,6 @@
 
 namespace kappaflow {
 
-struct BoxShape {
-  Vec3 lower, upper;  ///< corners [m]
-};
-struct SphereShape {
-  Vec3 center;        ///< [m]
-  double radius = 0;  ///< [m]
-};
-/// A round bar.
-struct CylinderShape {
-  Vec3 from, to;      ///< centres of its ends [m]
-  double radius = 0;  ///< [m]
-};
 /// A box without a lid, open along +y, around the space from `lower` to `upper`.
 struct BasinShape {
   Vec3 lower, upper;     ///< corners of the space inside [m]

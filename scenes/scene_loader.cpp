@@ -23,6 +23,7 @@ constexpr double kMaxDensity = 1e6;  // [kg/m3]
 constexpr double kMaxTension = 1e6;  // [N/m]
 constexpr double kMaxTime = 1e6;     // [s]
 constexpr double kMaxFrames = 1e6;
+constexpr std::size_t kMaxOutflows = 255;
 constexpr int kMaxIterations = 100000;
 
 NumberRange length() {
@@ -89,9 +90,61 @@ FluidBlock read_block(TomlTable t, Fluids& fluids) {
   return block;
 }
 
+/// A number, or rows [time, speed].
+void read_speed(TomlTable& t, Emitter& emitter) {
+  const NumberRange range = non_negative("m/s", kMaxSpeed);
+  const auto rows = t.rows("speed", 1, range,
+                           fmt::format("a number, or rows [time, speed] with ascending times >= 0 [s] and "
+                                       "speeds >= 0 and <= {} [m/s]",
+                                       kMaxSpeed));
+  if (rows.empty()) emitter.speed = t.number("speed", positive("m/s", kMaxSpeed));
+  for (const auto& row : rows) emitter.ramp.keys.push_back({row[0], row[1]});
+}
+
+/// 3 numbers, or rows [time, x, y, z]; then gravity is that at t = 0.
+void read_gravity(TomlTable& t, FluidOptions& fluid) {
+  const NumberRange range{-kMaxSpeed, kMaxSpeed, false, "m/s2"};
+  const auto rows = t.rows("gravity", 3, range,
+                           fmt::format("3 numbers, [x, y, z] [m/s2], or rows [time, x, y, z] with ascending "
+                                       "times >= 0 [s] and components from -{0} to {0} [m/s2]",
+                                       kMaxSpeed));
+  if (rows.empty()) fluid.gravity = t.vector("gravity", "m/s2", fluid.gravity);
+  for (const auto& row : rows) fluid.gravity_table.keys.push_back({row[0], Vec3(row[1], row[2], row[3])});
+  if (!rows.empty()) fluid.gravity = fluid.gravity_table.at(0);
+}
+
+/// [[wall.motion]] or [[fluid.emitter.motion]]: one for a constant velocity, several for one that is linear
+/// in time between them.
+BodyMotion read_motion(TomlTable& body) {
+  BodyMotion motion;
+  std::vector<TomlTable> keys = body.tables("motion");
+  if (keys.empty()) return motion;
+  motion.axis = body.vector("axis", "", motion.axis);
+  motion.point = body.vector("point", "m", motion.point);
+  if (!(motion.axis.norm() > 1e-12)) body.refuse("axis", "a direction, not the zero vector");
+  motion.axis.normalize();
+  for (TomlTable& t : keys) {
+    const bool first = motion.keys.empty();
+    BodyMotion::Key key;
+    key.time = t.number("time", non_negative("s", kMaxTime), first ? std::optional<double>(0) : std::nullopt);
+    key.velocity = t.vector("velocity", "m/s", key.velocity);
+    key.angular_velocity =
+        t.number("angular_velocity", {-kMaxSpeed, kMaxSpeed, false, "rad/s"}, key.angular_velocity);
+    t.finish();
+    if (key.velocity.norm() > kMaxSpeed)
+      t.refuse("velocity", fmt::format("at most {} m/s in length", kMaxSpeed));
+    if (!first && key.time <= motion.keys.back().time)
+      t.refuse("time", fmt::format("above {} s, the time before", motion.keys.back().time));
+    motion.keys.push_back(key);
+  }
+  return motion;
+}
+
 Emitter read_emitter(TomlTable t, Fluids& fluids) {
   enum class Kind { disc, rectangle };
   static constexpr Named<Kind> kKinds[] = {{"disc", Kind::disc}, {"rectangle", Kind::rectangle}};
+  static constexpr Named<FlowProfile> kProfiles[] = {{"uniform", FlowProfile::uniform},
+                                                     {"parabolic", FlowProfile::parabolic}};
   Emitter emitter;
   if (t.choice("shape", kKinds, {}) == Kind::disc) {
     emitter.mouth = DiscMouth{t.number("radius", length())};
@@ -102,7 +155,9 @@ Emitter read_emitter(TomlTable t, Fluids& fluids) {
   }
   emitter.position = t.vector("position", "m");
   emitter.direction = t.vector("direction", "");
-  emitter.speed = t.number("speed", positive("m/s", kMaxSpeed));
+  read_speed(t, emitter);
+  emitter.profile = t.choice("profile", kProfiles, std::optional(emitter.profile));
+  emitter.motion = read_motion(t);
   emitter.start = t.number("start", non_negative("s", kMaxTime), emitter.start);
   if (t.has("end")) emitter.end = t.number("end", positive("s", kMaxTime));
   if (t.has("particle_limit"))
@@ -132,32 +187,6 @@ BasinShape read_basin(TomlTable& t) {
   return {space.lower, space.upper, thickness};
 }
 
-/// [[wall.motion]]: one for a constant velocity, several for one that is linear in time between them.
-BodyMotion read_motion(TomlTable& wall) {
-  BodyMotion motion;
-  std::vector<TomlTable> keys = wall.tables("motion");
-  if (keys.empty()) return motion;
-  motion.axis = wall.vector("axis", "", motion.axis);
-  motion.point = wall.vector("point", "m", motion.point);
-  if (!(motion.axis.norm() > 1e-12)) wall.refuse("axis", "a direction, not the zero vector");
-  motion.axis.normalize();
-  for (TomlTable& t : keys) {
-    const bool first = motion.keys.empty();
-    BodyMotion::Key key;
-    key.time = t.number("time", non_negative("s", kMaxTime), first ? std::optional<double>(0) : std::nullopt);
-    key.velocity = t.vector("velocity", "m/s", key.velocity);
-    key.angular_velocity =
-        t.number("angular_velocity", {-kMaxSpeed, kMaxSpeed, false, "rad/s"}, key.angular_velocity);
-    t.finish();
-    if (key.velocity.norm() > kMaxSpeed)
-      t.refuse("velocity", fmt::format("at most {} m/s in length", kMaxSpeed));
-    if (!first && key.time <= motion.keys.back().time)
-      t.refuse("time", fmt::format("above {} s, the time before", motion.keys.back().time));
-    motion.keys.push_back(key);
-  }
-  return motion;
-}
-
 Wall read_wall(TomlTable t, std::optional<HeatOptions>& heat) {
   enum class Kind { box, sphere, cylinder, basin, stairs, mesh };
   static constexpr Named<Kind> kKinds[] = {{"box", Kind::box},           {"sphere", Kind::sphere},
@@ -181,6 +210,21 @@ Wall read_wall(TomlTable t, std::optional<HeatOptions>& heat) {
       return {read_mesh(t), motion, where};
     default:
       return {read_box(t), motion, where};
+  }
+}
+
+/// [[outflow]]
+Outflow read_outflow(TomlTable t) {
+  enum class Kind { box, sphere, cylinder };
+  static constexpr Named<Kind> kKinds[] = {
+      {"box", Kind::box}, {"sphere", Kind::sphere}, {"cylinder", Kind::cylinder}};
+  switch (t.choice("shape", kKinds, {})) {
+    case Kind::sphere:
+      return {read_sphere(t)};
+    case Kind::cylinder:
+      return {read_cylinder(t)};
+    default:
+      return {read_box(t)};
   }
 }
 
@@ -210,7 +254,7 @@ void read_fluid(TomlTable t, std::vector<TomlTable> materials, Scene& scene) {
                           .value_or(std::numeric_limits<double>::infinity());
   fluid.surface_tension =
       t.number("surface_tension", non_negative("N/m", kMaxTension), fluid.surface_tension);
-  fluid.gravity = t.vector("gravity", "m/s2", fluid.gravity);
+  read_gravity(t, fluid);
   std::vector<TomlTable> emitters = t.tables("emitter"), blocks = t.tables("block", emitters.empty());
   t.finish();
   if (!has_liquid)
@@ -328,7 +372,8 @@ Scene parse_scene(const std::string& text, const std::filesystem::path& file) {
   scene.duration = root.number("duration", positive("s", kMaxTime));
   TomlTable fluid = root.table("fluid", true), solver = root.table("solver"), surface = root.table("surface"),
             output = root.table("output");
-  std::vector<TomlTable> materials = root.tables("material"), walls = root.tables("wall");
+  std::vector<TomlTable> materials = root.tables("material"), walls = root.tables("wall"),
+                         outflows = root.tables("outflow");
   const bool has_heat = root.has("heat");
   TomlTable heat = root.table("heat");
   root.finish();
@@ -337,6 +382,10 @@ Scene parse_scene(const std::string& text, const std::filesystem::path& file) {
   read_fluid(std::move(fluid), std::move(materials), scene);
   for (TomlTable& wall : walls) scene.walls.push_back(read_wall(std::move(wall), scene.fluid.heat));
   for (const Wall& wall : scene.walls) check_thickness(wall, scene.fluid.spacing);
+  if (outflows.size() > kMaxOutflows)
+    throw InvalidInput(outflows[kMaxOutflows].where(),
+                       fmt::format("{} [[outflow]]; allowed: {}", outflows.size(), kMaxOutflows));
+  for (TomlTable& outflow : outflows) scene.fluid.outflows.push_back(read_outflow(std::move(outflow)));
   read_solver(std::move(solver), scene.fluid);
   read_surface(std::move(surface), scene.surface);
   read_output(std::move(output), scene.duration, scene.fluid.gravity, scene.output);

@@ -218,6 +218,30 @@ std::vector<double> TomlTable::numbers(std::string_view key, const NumberRange& 
   return found;
 }
 
+std::vector<std::vector<double>> TomlTable::rows(std::string_view key, std::size_t width,
+                                                 const NumberRange& range, std::string_view allowed) {
+  const toml::node* node = find(key);
+  const toml::array* array = node ? node->as_array() : nullptr;
+  std::vector<std::vector<double>> found;
+  if (!array || array->empty() || !array->front().is_array()) return found;
+  for (const toml::node& element : *array) {
+    const toml::array* row = element.as_array();
+    if (!row || row->size() != 1 + width) refuse(key, element, allowed);
+    std::vector<double> numbers;
+    for (const toml::node& cell : *row) {
+      const auto number = cell.is_number() ? cell.value<double>() : std::nullopt;
+      const bool is_time = numbers.empty();
+      const double least = found.empty() ? 0 : std::nextafter(found.back().front(), kUnbounded);
+      if (!number ||
+          !(is_time ? non_negative("s").contains(*number) && *number >= least : range.contains(*number)))
+        refuse(key, cell, allowed);
+      numbers.push_back(*number);
+    }
+    found.push_back(std::move(numbers));
+  }
+  return found;
+}
+
 std::vector<std::string> TomlTable::names(std::string_view key, std::span<const std::string_view> allowed,
                                           const std::vector<std::string>& fallback) {
   const toml::node* node = find(key);
@@ -253,8 +277,9 @@ std::optional<std::size_t> TomlTable::name_index(std::string_view key,
 }
 
 std::string TomlTable::child_name(std::string_view key) const {
-  return name_.front() == '[' ? fmt::format("{}.{}", name_.substr(1, name_.size() - 2), key)
-                              : std::string(key);
+  const std::size_t brackets = name_.find_first_not_of('[');  // 2 of an element of an array, 0 of the whole
+  if (brackets == 0) return std::string(key);
+  return fmt::format("{}.{}", name_.substr(brackets, name_.size() - 2 * brackets), key);
 }
 
 TomlTable TomlTable::table(std::string_view key, bool required) {

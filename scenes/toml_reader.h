@@ -92,6 +92,12 @@ class TomlTable {
   /// The tables [[key]], in the order of the file; none where it is missing and not required.
   std::vector<TomlTable> tables(std::string_view key, bool required = false);
 
+  /// A value in time, as an array of rows [time, value ...] of numbers in place of the value: times from 0 s
+  /// on and ascending, `width` values each in `range`. Nothing where the key has anything but an array of
+  /// arrays. allowed: the rows as messages describe them.
+  std::vector<std::vector<double>> rows(std::string_view key, std::size_t width, const NumberRange& range,
+                                        std::string_view allowed);
+
   bool has(std::string_view key) { return find(key) != nullptr; }
   SourcePosition where() const;
   SourcePosition where(std::string_view key) const;

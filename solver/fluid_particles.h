@@ -51,7 +51,8 @@ inline Vec4f padded(const Vec3& v) {
   return {f.x(), f.y(), f.z(), 0};
 }
 
-/// All arrays have one entry a particle. Every particle has the same rest volume spacing^3 and the same mass.
+/// All arrays but `source` have one entry a particle. Every particle has the same rest volume spacing^3 and
+/// the same mass.
 struct FluidParticles {
   // The state: carried from step to step, permuted when the particles are sorted.
   std::vector<std::uint32_t> id;
@@ -69,7 +70,8 @@ struct FluidParticles {
 
   std::vector<double> temperature;  ///< [K]; empty where there is no heat
 
-  /// By id, so that nothing is to be permuted: where it comes from, by the caller's numbers.
+  /// By id, so that nothing is to be permuted: where it comes from, by the caller's numbers; of a particle
+  /// that is gone, whose id is not used again, the number of the outflow that took it.
   std::vector<int> source;
 
   // What follows from the positions: recomputed after every move.
@@ -95,6 +97,21 @@ struct FluidParticles {
             divergence_pressure, least_pressure, fluid, led_by, temperature, source);
   }
 
+  /// Leaves the particles of these indices, which ascend, and takes the others away. What follows from the
+  /// positions is then out of date.
+  void keep(const std::vector<std::uint32_t>& kept) {
+    const auto keep_in = [&](auto&... arrays) {
+      const auto in_one = [&](auto& array) {
+        for (std::size_t k = 0; k < kept.size(); ++k) array[k] = array[kept[k]];
+        array.resize(kept.size());
+      };
+      (in_one(arrays), ...);
+    };
+    keep_in(id, position, velocity, viscous_velocity, viscous_acceleration, density_pressure,
+            divergence_pressure, least_pressure, fluid, led_by);
+    if (!temperature.empty()) keep_in(temperature);
+  }
+
   std::size_t bytes() const {
     return bytes_of(id, position, velocity, viscous_velocity, viscous_acceleration, density_pressure,
                     divergence_pressure, least_pressure, fluid, led_by, temperature, source, density,
@@ -102,9 +119,9 @@ struct FluidParticles {
                     scratch[2], scalar_scratch);
   }
 
-  /// Appends a particle without pressure; its id is the number of those before.
+  /// Appends a particle without pressure; its id is the number of those made before.
   void add(const Vec3& x, const Vec3& v, std::uint8_t of_fluid, std::uint8_t emitter, int from) {
-    id.push_back(static_cast<std::uint32_t>(size()));
+    id.push_back(static_cast<std::uint32_t>(source.size()));
     position.push_back(padded(x));
     velocity.push_back(padded(v));
     viscous_velocity.push_back(padded(v));

@@ -15,6 +15,7 @@
 #include "solver/emitter.h"
 #include "solver/heat.h"
 #include "solver/neighbours.h"
+#include "solver/outflow.h"
 #include "solver/pressure.h"
 #include "solver/start.h"
 #include "solver/surface_tension.h"
@@ -82,12 +83,30 @@ FailedParticle densest_particle(const FluidParticles& particles) {
 double mean_compression(const FluidParticles& particles) {
   const std::size_t n = particles.size();
   const auto compression = [&](std::size_t i) { return std::max(particles.density[i] - 1, 0.0f); };
-  return parallel_sum<double>(n, 0, compression) / static_cast<double>(n);
+  return n == 0 ? 0 : parallel_sum<double>(n, 0, compression) / static_cast<double>(n);
 }
 
 /// Largest rho/rho0 - 1, or 0.
 float largest_compression(const FluidParticles& particles) {
   return parallel_max(particles.size(), 0.0f, [&](std::size_t i) { return particles.density[i] - 1; });
+}
+
+/// Where the particles are, by ascending id.
+std::vector<std::uint32_t> order_by_id(const FluidParticles& particles) {
+  constexpr std::uint32_t kGone = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> place(particles.source.size(), kGone);
+  for (std::size_t i = 0; i < particles.size(); ++i) place[particles.id[i]] = static_cast<std::uint32_t>(i);
+  std::erase(place, kGone);
+  return place;
+}
+
+/// value(i) of the particles by ascending id.
+template <class T, class Value>
+std::vector<T> values_by_id(const FluidParticles& particles, const Value& value) {
+  std::vector<T> result;
+  result.reserve(particles.size());
+  for (const std::uint32_t i : order_by_id(particles)) result.push_back(value(i));
+  return result;
 }
 
 /// The rule of the wall under whose surface the sample lies. heat: of the walls.
@@ -142,7 +161,9 @@ struct FluidSolver::State {
         viscous_pressure(o),
         tension(o),
         heat(o),
-        emitters(o) {}
+        emitters(o),
+        outflows(o),
+        gravity(o.gravity_in_time()) {}
 
   void emit(double until);
   void find_neighbours();
@@ -169,6 +190,8 @@ struct FluidSolver::State {
   SurfaceTension tension;
   HeatSolver heat;
   Emitters emitters;
+  Outflows outflows;
+  TimeTable<Vec3> gravity;
 
   double time = 0;
   std::size_t steps = 0;
@@ -210,18 +233,19 @@ FluidStep FluidSolver::step(double time_left) {
   done.time_step = s.time_step(time_left);
   const float dt = static_cast<float>(done.time_step);
 
+  s.emitters.lead(s.particles, s.time, done.time_step);
   const HeatSolve heat = s.heat.solve(s.particles, s.neighbours, s.wall_sums, dt);
   s.check_heat(heat);
   done.heat_iterations = heat.iterations;
   done.heat_from_walls = heat.from_walls;
   done.heat_from_air = heat.from_air;
-  accelerate(s.particles, padded(s.options.gravity), dt);
+  accelerate(s.particles, padded(s.gravity.mean(s.time, s.time + done.time_step)), dt);
   s.tension.apply(s.particles, s.neighbours, dt);
   s.pressure.apply_last(s.particles, s.neighbours, dt);
   const bool thick = s.viscous_pressure.needed();
   if (thick) s.viscous_pressure.spread(s.particles, s.neighbours, dt);
   done.seconds.forces = watch.lap();
-  const ViscositySolve viscosity = s.viscosity.solve(s.particles, s.neighbours, s.wall_sums, dt);
+  const ViscositySolve viscosity = s.viscosity.solve(s.particles, s.neighbours, s.wall_sums, dt, s.time);
   done.viscosity_iterations = viscosity.iterations;
   done.viscosity_error = viscosity.error;
   done.seconds.viscosity = watch.lap();
@@ -239,6 +263,7 @@ FluidStep FluidSolver::step(double time_left) {
   s.check_pressure(density, "density", s.options.density_tolerance);
   s.check_motion(done.time_step);
   move(s.particles, dt);
+  s.outflows.take(s.particles);
   s.emit(s.time + done.time_step);
   s.walls.move_to(s.time + done.time_step);
   s.find_neighbours();
@@ -304,8 +329,9 @@ int FluidSolver::State::relieve_squeezed() {
 double FluidSolver::State::time_step(double time_left) const {
   if (!(time_left > 0))
     throw InvalidInput(fmt::format("time left for the step = {} s; must be above 0", time_left));
-  const double needed = cfl_time_step(std::max({fastest, emitters.fastest(), walls.fastest()}),
-                                      options.gravity.norm(), options.cfl * options.spacing);
+  const double end = time + options.max_time_step;
+  const double needed = cfl_time_step(std::max({fastest, emitters.fastest(time, end), walls.fastest()}),
+                                      gravity.largest(time, end), options.cfl * options.spacing);
   if (needed < options.min_time_step) {
     check_finite();
     throw SolverFailure(
@@ -407,51 +433,52 @@ std::size_t FluidSolver::size() const {
   return state_->particles.size();
 }
 
+std::vector<std::size_t> FluidSolver::taken() const {
+  return state_->outflows.taken(state_->particles);
+}
+
 Particles FluidSolver::particles() const {
   const FluidParticles& p = state_->particles;
+  const std::vector<std::uint32_t> order = order_by_id(p);
   Particles result{state_->time, std::vector<std::int64_t>(size()), std::vector<Vec3>(size()),
                    std::vector<Vec3>(size())};
-  for (std::size_t i = 0; i < size(); ++i) {
-    result.id[p.id[i]] = p.id[i];
-    result.position[p.id[i]] = p.position[i].head<3>().cast<double>();
-    result.velocity[p.id[i]] = p.velocity[i].head<3>().cast<double>();
+  for (std::size_t k = 0; k < size(); ++k) {
+    const std::uint32_t i = order[k];
+    result.id[k] = p.id[i];
+    result.position[k] = p.position[i].head<3>().cast<double>();
+    result.velocity[k] = p.velocity[i].head<3>().cast<double>();
   }
   return result;
 }
 
 std::vector<float> FluidSolver::densities() const {
   const FluidParticles& p = state_->particles;
-  std::vector<float> result(size());
-  for (std::size_t i = 0; i < size(); ++i)
-    result[p.id[i]] = static_cast<float>(state_->options.density) * p.density[i];
-  return result;
+  return values_by_id<float>(
+      p, [&](std::size_t i) { return static_cast<float>(state_->options.density) * p.density[i]; });
 }
 
 std::vector<float> FluidSolver::pressures() const {
   const FluidParticles& p = state_->particles;
-  std::vector<float> result(size());
-  for (std::size_t i = 0; i < size(); ++i)
-    result[p.id[i]] = static_cast<float>(state_->options.density) * p.density[i] * p.density[i] *
-                      (p.density_pressure[i] + p.divergence_pressure[i]);
-  return result;
+  return values_by_id<float>(p, [&](std::size_t i) {
+    return static_cast<float>(state_->options.density) * p.density[i] * p.density[i] *
+           (p.density_pressure[i] + p.divergence_pressure[i]);
+  });
 }
 
 std::vector<std::uint8_t> FluidSolver::fluids() const {
   const FluidParticles& p = state_->particles;
-  std::vector<std::uint8_t> result(size());
-  for (std::size_t i = 0; i < size(); ++i) result[p.id[i]] = p.fluid[i];
-  return result;
+  return values_by_id<std::uint8_t>(p, [&](std::size_t i) { return p.fluid[i]; });
 }
 
 std::vector<double> FluidSolver::temperatures() const {
   const FluidParticles& p = state_->particles;
-  std::vector<double> result(p.temperature.size());
-  for (std::size_t i = 0; i < result.size(); ++i) result[p.id[i]] = p.temperature[i];
-  return result;
+  if (p.temperature.empty()) return {};
+  return values_by_id<double>(p, [&](std::size_t i) { return p.temperature[i]; });
 }
 
 std::vector<int> FluidSolver::sources() const {
-  return state_->particles.source;
+  const FluidParticles& p = state_->particles;
+  return values_by_id<int>(p, [&](std::size_t i) { return p.source[p.id[i]]; });
 }
 
 }  // namespace kappaflow

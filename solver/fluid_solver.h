@@ -51,12 +51,12 @@ struct SolverMemory {
 class FluidSolver {
  public:
   /// position, velocity: one entry a particle; ids are 0, 1, ... in this order, and go on in the order in
-  /// which emitters make particles. Walls with different motions are solids of their own: where they meet
-  /// liquid they should not overlap. Particles that start compressed are moved apart.
-  /// fluid: which of the fluids each particle is of; empty: all of fluid 0. source: numbers of the caller's
-  /// that stay with the particles; empty: all 0. temperature: absolute, where there is heat [K]; empty: that
-  /// of HeatOptions. Throws InvalidInput for options out of range, particles
-  /// inside a wall, or when there is no particle at t = 0.
+  /// which emitters make particles; those that outflows take are not used again. Walls with different motions
+  /// are solids of their own: where they meet liquid they should not overlap. Particles that start compressed
+  /// are moved apart. fluid: which of the fluids each particle is of; empty: all of fluid 0. source: numbers
+  /// of the caller's that stay with the particles; empty: all 0. temperature: absolute, where there is heat
+  /// [K]; empty: that of HeatOptions. Throws InvalidInput for options out of range, particles inside a wall,
+  /// or when there is no particle at t = 0.
   FluidSolver(const FluidOptions& options, std::span<const Vec3> position, std::span<const Vec3> velocity,
               std::span<const SolidWall> walls, std::span<const std::uint8_t> fluid = {},
               std::span<const int> source = {}, std::span<const double> temperature = {});
@@ -71,9 +71,11 @@ class FluidSolver {
   /// solver can go no further.
   FluidStep step(double time_left);
 
-  double time() const;          ///< [s]
-  std::size_t steps() const;    ///< since t = 0
-  std::size_t size() const;     ///< particles; grows where there are emitters
+  double time() const;        ///< [s]
+  std::size_t steps() const;  ///< since t = 0
+  std::size_t size() const;   ///< particles; changes where there are emitters or outflows
+  /// Particles that each outflow region has taken away since t = 0.
+  std::vector<std::size_t> taken() const;
   Particles particles() const;  ///< now, sorted by id
   SolverMemory memory() const;
   std::vector<float> densities() const;      ///< by id [kg/m3]

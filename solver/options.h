@@ -7,6 +7,9 @@
 #include <variant>
 #include <vector>
 
+#include "core/body_motion.h"
+#include "core/shapes.h"
+#include "core/time_table.h"
 #include "core/types.h"
 #include "solver/heat_options.h"
 #include "solver/rheology.h"
@@ -24,21 +27,40 @@ struct RectangleMouth {
   Vec3 up{0, 1, 0};              ///< its part across the emitter's direction is that of `height`
 };
 
-/// A mouth that liquid leaves at a constant speed. Particles come in layers of a square lattice, one layer
-/// every spacing / speed seconds, so that the stream has rest density from the mouth on. The last
-/// kNozzleLength (emitter.h) before the mouth they are led: they keep the emitter's velocity whatever pushes
-/// them, so that the liquid in front of the mouth has liquid behind it.
+/// How fast the liquid is across a mouth.
+enum class FlowProfile {
+  uniform,    ///< as fast everywhere
+  parabolic,  ///< as developed flow in a pipe of that section: see speed_profile() in emitter_flow.h
+};
+
+/// A mouth that liquid leaves. Particles come in layers of a square lattice, one layer every spacing / speed
+/// seconds, or with a profile each column of them in its own time, so that the stream has rest density from
+/// the mouth on. The last kNozzleLength (emitter.h) before the mouth they are led: they move as the emitter
+/// says whatever pushes them, so that the liquid in front of the mouth has liquid behind it.
 struct Emitter {
   std::variant<DiscMouth, RectangleMouth> mouth;
-  Vec3 position{0, 0, 0};                                ///< centre of the mouth [m]
-  Vec3 direction{0, -1, 0};                              ///< of the flow; any length above 0
-  double speed = 0;                                      ///< > 0 [m/s]
-  double start = 0;                                      ///< when the first layer is at the mouth [s]
-  double end = std::numeric_limits<double>::infinity();  ///< when the last one has left it [s]
+  Vec3 position{0, 0, 0};    ///< centre of the mouth, at t = 0 [m]
+  Vec3 direction{0, -1, 0};  ///< of the flow, at t = 0; any length above 0
+  double speed = 0;          ///< mean over the mouth, > 0 [m/s]
+  TimeTable<double> ramp;    ///< unless empty, in place of speed, >= 0 [m/s]
+  FlowProfile profile = FlowProfile::uniform;
+  BodyMotion motion;  ///< of the mouth; what flows out has its velocity too
+  double start = 0;   ///< when the first layer is at the mouth [s]
+  double end = std::numeric_limits<double>::infinity();                 ///< when the last one has left it [s]
   std::size_t max_particles = std::numeric_limits<std::size_t>::max();  ///< whole layers within this limit
   std::uint8_t fluid = 0;                                               ///< which fluid, see FluidOptions
   int source = 0;                                                       ///< of its particles
   std::optional<double> temperature;  ///< of its liquid, where there is heat; else that of HeatOptions [K]
+
+  double speed_at(double time) const { return ramp.empty() ? speed : ramp.at(time); }  ///< [m/s]
+  /// Over [t0, t1] [m/s].
+  double mean_speed(double t0, double t1) const { return ramp.empty() ? speed : ramp.mean(t0, t1); }
+  double largest_speed(double t0, double t1) const { return ramp.empty() ? speed : ramp.largest(t0, t1); }
+};
+
+/// A region that takes away the particles whose centres are in it.
+struct Outflow {
+  std::variant<BoxShape, SphereShape, CylinderShape> shape;
 };
 
 /// Options of the solver; SI units.
@@ -60,8 +82,11 @@ struct FluidOptions {
   std::vector<TemperatureLaw> temperature_laws;
   std::optional<HeatOptions> heat;  ///< without it nothing has a temperature
   std::vector<Emitter> emitters;
+  std::vector<Outflow> outflows;
   double surface_tension = 0;  ///< of all fluids against the air [N/m]; see surface_tension.h
   Vec3 gravity{0, -9.81, 0};   ///< [m/s2]
+  /// Unless empty, gravity in time [m/s2]; `gravity` is then that at t = 0.
+  TimeTable<Vec3> gravity_table;
 
   double cfl = 0.4;             ///< a step moves no particle further than cfl * spacing
   double min_time_step = 1e-6;  ///< [s]; a flow that needs less is a SolverFailure
@@ -73,6 +98,10 @@ struct FluidOptions {
   double viscosity_tolerance = 1e-2;  ///< of the velocities' error, at which viscosity stops: viscosity.h [1]
   int max_viscosity_iterations = 100;
 
+  /// gravity_table, or one for the constant `gravity`.
+  TimeTable<Vec3> gravity_in_time() const {
+    return gravity_table.empty() ? TimeTable<Vec3>{{{0, gravity}}} : gravity_table;
+  }
   std::size_t fluids() const { return 1 + more_viscosities.size(); }
   /// Of fluid 0, 1, ...
   Rheology rheology(std::size_t fluid) const {

@@ -239,6 +239,7 @@ PressureSolver::Progress PressureSolver::iterate(FluidParticles& particles, cons
 PressureSolve PressureSolver::solve(FluidParticles& particles, const NeighbourLists& lists, float time_step,
                                     double tolerance, int min_iterations, std::span<const float> least) {
   const std::size_t n = particles.size();
+  if (n == 0) return {};  // all of it has flowed out
   const float square_step = time_step * time_step;
   auto& iterate_of = iterates(particles);
   const float scale = least.empty() ? fit_scale(particles, square_step) : 1;

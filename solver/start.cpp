@@ -6,6 +6,7 @@
 
 #include "core/errors.h"
 #include "solver/emitter.h"
+#include "solver/outflow.h"
 #include "solver/surface_tension.h"
 
 namespace kappaflow {
@@ -67,6 +68,8 @@ void check_options(const FluidOptions& o) {
     if (emitter.temperature) require_positive(*emitter.temperature, "temperature of an emitter");
   require_fluid(o.emitters.size() < 256, fmt::format("{} emitters; allowed: 255", o.emitters.size()));
   for (const Emitter& emitter : o.emitters) check_emitter(emitter, o.spacing, o.fluids());
+  require_fluid(o.outflows.size() < 256, fmt::format("{} outflows; allowed: 255", o.outflows.size()));
+  for (const Outflow& outflow : o.outflows) check_outflow(outflow);
   require_not_negative(o.surface_tension, "surface_tension");
   const double capillary = capillary_time_step(o.surface_tension, o.density, o.spacing);
   require_fluid(
@@ -74,6 +77,9 @@ void check_options(const FluidOptions& o) {
       fmt::format("surface_tension = {} N/m needs time steps of {:.3g} s, below min_time_step = {:.3g} s",
                   o.surface_tension, capillary, o.min_time_step));
   require_fluid(o.gravity.allFinite(), "gravity must be finite");
+  require_fluid(o.gravity_table.ascends(), "the times of gravity must ascend");
+  for (const auto& [time, gravity] : o.gravity_table.keys)
+    require_fluid(gravity.allFinite(), fmt::format("gravity at {} s must be finite", time));
   require_positive(o.cfl, "cfl");
   require_positive(o.min_time_step, "min_time_step");
   require_positive(o.max_time_step, "max_time_step");

@@ -39,7 +39,7 @@ double squared_error(double energy, double square) {
 ViscositySolver::ViscositySolver(const FluidOptions& options)
     : forces_(options),
       preconditioner_(options.spacing),
-      gravity_(options.gravity.norm()),
+      gravity_(options.gravity_in_time()),
       tolerance_(options.viscosity_tolerance),
       max_iterations_(options.max_viscosity_iterations) {}
 
@@ -61,9 +61,9 @@ struct ViscositySolver::Squares {
   }
 };
 
-/// The sum of squared errors that is tolerated.
-double ViscositySolver::tolerated(const Squares& squares, double time_step) const {
-  const double fall = squares.count * std::pow(gravity_ * time_step, 2);
+/// The sum of squared errors that is tolerated. speed_of_fall: what gravity adds in the step [m/s].
+double ViscositySolver::tolerated(const Squares& squares, double speed_of_fall) const {
+  const double fall = squares.count * std::pow(speed_of_fall, 2);
   double scale = std::min(squares.change, squares.speed);
   if (fall > 0) scale = std::clamp(scale, kLeastShare * kLeastShare * fall, fall);
   return tolerance_ * tolerance_ * scale + kRoundings * kRoundings * squares.speed;
@@ -202,14 +202,14 @@ class ViscositySolver::ConjugateGradients {
 };
 
 /// The system of the viscosities as they are; result.iterations counts on.
-void ViscositySolver::solve_system(ConjugateGradients& step, double time_step, ViscositySolve& result) {
+void ViscositySolver::solve_system(ConjugateGradients& step, double speed_of_fall, ViscositySolve& result) {
   Squares squares = step.begin();
   const auto precondition = [&] { return squares.block_energy + preconditioner_.solve(); };
   double energy = precondition(), first = energy, last = 0;
   float length = 0;
   for (;; ++result.iterations) {
     const double square = step.turn(last > 0 ? static_cast<float>(energy / last) : 0.0f);
-    const double target = tolerated(squares, time_step);
+    const double target = tolerated(squares, speed_of_fall);
     const double left = (length > 0 ? kLastLength * kLastLength : 1) * squared_error(energy, square);
     result.error = std::sqrt(left / std::max(target, std::numeric_limits<double>::min()));
     if (!(result.error > 1) || result.iterations == max_iterations_) break;
@@ -229,19 +229,21 @@ void ViscositySolver::solve_system(ConjugateGradients& step, double time_step, V
 }
 
 ViscositySolve ViscositySolver::solve(FluidParticles& particles, const NeighbourLists& lists,
-                                      const WallSums& walls, float time_step) {
+                                      const WallSums& walls, float time_step, double time) {
   if (forces_.none()) return {};
+  const double dt = static_cast<double>(time_step);
+  const double speed_of_fall = gravity_.mean(time, time + dt).norm() * dt;
   const auto find_viscosities = [&](bool again) {
     forces_.find_viscosities(particles, lists, walls, particles.viscous_velocity, again);
   };
   if (forces_.vary()) find_viscosities(false);
   ConjugateGradients step(*this, preconditioner_, particles, lists, walls, time_step);
   ViscositySolve result;
-  solve_system(step, static_cast<double>(time_step), result);
+  solve_system(step, speed_of_fall, result);
   for (int before = -1; forces_.depend_on_flow() && result.iterations > before;) {
     before = result.iterations;
     find_viscosities(true);
-    solve_system(step, static_cast<double>(time_step), result);
+    solve_system(step, speed_of_fall, result);
   }
   balance_.restore(preconditioner_, forces_, particles, lists, walls, time_step, particles.viscous_velocity);
   step.keep();

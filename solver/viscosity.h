@@ -42,9 +42,9 @@ class ViscositySolver {
   explicit ViscositySolver(const FluidOptions& options);
 
   /// Replaces particles.velocity, v* -> v, and viscous_velocity, the last v -> this one. Does nothing where
-  /// no fluid is viscous. time_step [s].
+  /// no fluid is viscous. time_step [s]; time: at which the step begins, for the gravity of then [s].
   ViscositySolve solve(FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,
-                       float time_step);
+                       float time_step, double time = 0);
 
   /// A u for one vector a particle.
   void apply(const FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,
@@ -56,13 +56,13 @@ class ViscositySolver {
   class ConjugateGradients;
   struct Squares;
 
-  void solve_system(ConjugateGradients& step, double time_step, ViscositySolve& result);
-  double tolerated(const Squares& squares, double time_step) const;
+  void solve_system(ConjugateGradients& step, double speed_of_fall, ViscositySolve& result);
+  double tolerated(const Squares& squares, double speed_of_fall) const;
 
   ViscousForces forces_;
   RigidMultigrid preconditioner_;
   MomentumBalance balance_;
-  double gravity_;    // [m/s2]
+  TimeTable<Vec3> gravity_;
   double tolerance_;  // of the velocities' error
   int max_iterations_;
 };

@@ -174,7 +174,7 @@ TEST(GoodScenes, EveryKeyArrives) {
   EXPECT_EQ(paste.regularisation, 25);
   EXPECT_DOUBLE_EQ(fluid.viscosity(2), 0.02 * 25 + 0.01 * 5);
   EXPECT_DOUBLE_EQ(fluid.viscosity(3), 0.1);
-  ASSERT_EQ(fluid.emitters.size(), 1u);
+  ASSERT_EQ(fluid.emitters.size(), 2u);
   const Emitter& emitter = fluid.emitters[0];
   EXPECT_EQ(std::get<RectangleMouth>(emitter.mouth).width, 0.8);
   EXPECT_EQ(std::get<RectangleMouth>(emitter.mouth).height, 0.4);
@@ -259,6 +259,34 @@ TEST(GoodScenes, WithoutHeatNothingHasATemperature) {
   const PreparedScene prepared = prepare(load_scene(temporary_file("cold.toml", std::string(kSmallest))));
   EXPECT_FALSE(prepared.scene.fluid.heat);
   EXPECT_TRUE(prepared.start.temperature.empty());
+}
+
+TEST(GoodScenes, WhatFlowsInAndOutArrives) {
+  const FluidOptions fluid = load_scene(source_file("tests/data/every_key.toml")).fluid;
+  EXPECT_TRUE(fluid.emitters[0].motion.at_rest());
+  EXPECT_TRUE(fluid.emitters[0].ramp.empty());
+  EXPECT_EQ(fluid.emitters[0].profile, FlowProfile::uniform);
+  const Emitter& emitter = fluid.emitters[1];
+  EXPECT_EQ(emitter.profile, FlowProfile::parabolic);
+  EXPECT_EQ(emitter.ramp, (TimeTable<double>{{{0.25, 0.5}, {0.75, 1.25}}}));
+  EXPECT_EQ(emitter.motion.axis, Vec3(0, 1, 0));
+  EXPECT_EQ(emitter.motion.point, Vec3(6, 1, 2));
+  ASSERT_EQ(emitter.motion.keys.size(), 2u);
+  EXPECT_EQ(emitter.motion.keys[0], (BodyMotion::Key{0, Vec3(3, 2, 1), 1.5}));
+  EXPECT_EQ(emitter.motion.keys[1], (BodyMotion::Key{1.5, Vec3(0, 0, 0), 0}));
+  ASSERT_EQ(fluid.outflows.size(), 3u);
+  EXPECT_EQ(std::get<BoxShape>(fluid.outflows[0].shape).lower, Vec3(7, -2, -3));
+  EXPECT_EQ(std::get<SphereShape>(fluid.outflows[1].shape).radius, 0.7);
+  EXPECT_EQ(std::get<CylinderShape>(fluid.outflows[2].shape).to, Vec3(9, 0, 4));
+}
+
+TEST(GoodScenes, GravityMayBeATableInTime) {
+  std::string text(kSmallest);
+  const std::string fluid = "[fluid]\n";
+  text.insert(text.find(fluid) + fluid.size(), "gravity = [[0, 0, -9.81, 0], [1, 4, -2, 1.5]]\n");
+  const Scene scene = load_scene(temporary_file("table.toml", text));
+  EXPECT_EQ(scene.fluid.gravity_table, (TimeTable<Vec3>{{{0, {0, -9.81, 0}}, {1, {4, -2, 1.5}}}}));
+  EXPECT_EQ(scene.fluid.gravity, Vec3(0, -9.81, 0));
 }
 
 TEST(GoodScenes, MotionsOfWallsArrive) {

@@ -3,14 +3,16 @@
 
 namespace kappaflow {
 
-/// Two emitters, one of them late, three liquids, two of which yield or thin and stiffen as they cool, heat,
-/// a turning hot wall, tension, lone drops, and steps of the surfaces of several of the liquid's.
+/// Two emitters, one of them late, that moves with a profile and a ramp; three liquids, two of which yield or
+/// thin and stiffen as they cool, heat, gravity in time, an outflow, a turning hot wall, tension, lone drops,
+/// and steps of the surfaces of several of the liquid's.
 inline constexpr const char* kEverythingScene = R"(
 duration = 0.12
 [fluid]
 spacing = 0.05
 material = "paste"
 surface_tension = 0.05
+gravity = [[0, 0, -9.81, 0], [0.1, 3, -7, 0]]
 [[fluid.block]]
 shape = "box"
 lower = [-0.2, 0.05, -0.2]
@@ -29,11 +31,14 @@ shape = "disc"
 position = [0.4, 0.3, 0]
 direction = [-1, 0, 0]
 radius = 0.1
-speed = 3.0
+speed = [[0.02, 2.0], [0.06, 3.5]]
+profile = "parabolic"
 start = 0.02
 particle_limit = 30
 material = "melt"
 temperature = 420
+[[fluid.emitter.motion]]
+velocity = [0, 0.3, 0]
 [[wall]]
 shape = "box"
 lower = [-0.6, -0.2, -0.6]
@@ -69,6 +74,10 @@ vogel_constant = 400
 vogel_temperature = 200
 reference_temperature = 400
 conductivity = 10
+[[outflow]]
+shape = "box"
+lower = [-0.3, 0.0, -0.3]
+upper = [-0.12, 0.12, 0.3]
 [surface]
 methods = ["curvature", "regional", "fresh-nearest", "fresh-particles", "fresh-grid"]
 anchor = "particles"

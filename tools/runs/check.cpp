@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <variant>
@@ -80,20 +81,39 @@ std::string other_viscosity_text(std::uint8_t number, const Scene& scene) {
   return number == 0 ? "" : viscosity_text(number, scene);
 }
 
+/// Times `factor`: from the least to the most where it changes.
+std::string speed_text(const Emitter& emitter, double factor) {
+  if (emitter.ramp.empty()) return fmt::format("{:.4g}", factor * emitter.speed);
+  const auto [least, most] = std::ranges::minmax(emitter.ramp.keys, {}, &TimeTable<double>::Key::value);
+  return fmt::format("{:.4g} to {:.4g}", factor * least.value, factor * most.value);
+}
+
 std::string emitter_line(const Emitter& emitter, const Scene& scene) {
   const FluidOptions& fluid = scene.fluid;
   const double layer = static_cast<double>(emitter_layer(emitter, fluid.spacing).size());
-  return fmt::format("    emitter at {} m, {:.4g} m/s towards {}, {:.4g} m3/s ({} particles a layer){}{}\n",
-                     vector_text(emitter.position), emitter.speed,
+  return fmt::format("    emitter at {} m, {} m/s towards {}, {} m3/s ({} particles a layer){}{}{}{}\n",
+                     vector_text(emitter.position), speed_text(emitter, 1),
                      vector_text(emitter.direction.normalized()),
-                     layer * fluid.spacing * fluid.spacing * emitter.speed, layer,
-                     other_viscosity_text(emitter.fluid, scene), temperature_text(emitter.temperature));
+                     speed_text(emitter, layer * fluid.spacing * fluid.spacing), layer,
+                     emitter.profile == FlowProfile::parabolic ? ", parabolic profile" : "",
+                     emitter.motion.at_rest() ? "" : ", moving", other_viscosity_text(emitter.fluid, scene),
+                     temperature_text(emitter.temperature));
+}
+
+std::string gravity_line(const FluidOptions& fluid) {
+  const auto& keys = fluid.gravity_table.keys;
+  if (keys.empty()) return "";
+  std::vector<std::string> values;
+  for (const auto& [time, gravity] : keys)
+    values.push_back(fmt::format("{} at {:.4g} s", vector_text(gravity), time));
+  return fmt::format("    gravity {} m/s2\n", fmt::join(values, ", "));
 }
 
 std::string liquid_lines(const Scene& scene) {
   const FluidOptions& fluid = scene.fluid;
   std::string text = fmt::format("  liquid    spacing {:.4g} m, density {:.6g} kg/m3{}\n", fluid.spacing,
                                  fluid.density, viscosity_text(0, scene));
+  text += gravity_line(fluid);
   for (const FluidBlock& block : scene.blocks)
     text += fmt::format("    block   {}, moving at {} m/s{}{}\n", std::visit(ShapeText(), block.shape),
                         vector_text(block.velocity), other_viscosity_text(block.fluid, scene),
@@ -103,6 +123,8 @@ std::string liquid_lines(const Scene& scene) {
     text += fmt::format("    wall    {}{}{}\n", std::visit(ShapeText(), scene.walls[w].shape),
                         scene.walls[w].motion.at_rest() ? "" : ", moving",
                         fluid.heat ? heat_text(fluid.heat->walls[w]) : "");
+  for (const Outflow& outflow : fluid.outflows)
+    text += fmt::format("    outflow {}\n", std::visit(ShapeText(), outflow.shape));
   return text + heat_line(fluid.heat);
 }
 

@@ -230,6 +230,11 @@ constexpr MetricColumn kColumns[] = {
     of_frame<&Frame::particles_outside>("particles_outside", "1",
                                         "particles outside the surface, f < 0 at their centre: those of a "
                                         "spray that have none of their own"),
+    of_frame<&Frame::particles_taken>("particles_taken", "1",
+                                      "particles that outflow regions have taken away since the start"),
+    of_frame<&Frame::taken_by_region>("taken_by_region", "1",
+                                      "the same for each region, in the order of the scene file, with spaces "
+                                      "between them"),
 };
 
 }  // namespace

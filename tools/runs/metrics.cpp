@@ -1,6 +1,7 @@
 #include "tools/runs/metrics.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -51,6 +52,10 @@ MetricsTable table_of(std::string_view text, const std::filesystem::path& file) 
 }
 
 }  // namespace
+
+std::string taken_text(std::span<const std::size_t> taken) {
+  return fmt::format("{}", fmt::join(taken, " "));
+}
 
 const MetricColumn* find_metric(std::string_view name) {
   const auto found = std::ranges::find(metric_columns(), name, &MetricColumn::name);

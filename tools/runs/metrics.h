@@ -24,7 +24,12 @@ struct FrameMetrics {
   std::optional<double> temperature_min, temperature_mean, temperature_max;  ///< of the particles [K]
   std::optional<IsosurfaceMetrics> isosurface;  ///< where the frame's surfaces are judged
   std::size_t particles_outside = 0;            ///< see points_outside()
+  std::size_t particles_taken = 0;              ///< by outflow regions since the start
+  std::string taken_by_region;  ///< the same by region, see taken_text(); empty: there are none
 };
+
+/// Counts in the order of the regions with spaces between them, as a cell of metrics.csv has them.
+std::string taken_text(std::span<const std::size_t> taken);
 
 /// A row of the table: one method at one frame.
 struct MetricsRow {

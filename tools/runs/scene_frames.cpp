@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "core/errors.h"
@@ -44,6 +45,9 @@ FrameReport SceneFrames::take_report(int frame) {
   set_temperatures(report.particles, surfaces(), metrics);
   const SimulationReport since = simulation_.take_report();
   metrics.particles = report.particles.particles.size();
+  const std::vector<std::size_t> taken = simulation_.fluid().taken();
+  metrics.particles_taken = std::accumulate(taken.begin(), taken.end(), std::size_t{0});
+  metrics.taken_by_region = taken_text(taken);
   metrics.penetration_max =
       penetration_max(report.particles.particles.position, wall_distance_, scene_.fluid.spacing);
   const Compression now = compression(report.particles.density, scene_.fluid.density);

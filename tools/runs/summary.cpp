@@ -39,6 +39,14 @@ std::string viscosity_warning(const RunSummary& s) {
       error);
 }
 
+std::string outflow_line(const FrameMetrics& frame) {
+  if (frame.taken_by_region.empty()) return "";
+  return fmt::format("  particles taken by outflow regions: {}{}\n", frame.particles_taken,
+                     frame.taken_by_region.find(' ') == std::string::npos
+                         ? ""
+                         : fmt::format(" (by region: {})", frame.taken_by_region));
+}
+
 std::string run_lines(const RunSummary& s, const std::string& title, const std::string& field) {
   const std::size_t particles = s.frames.back().particles;
   std::string text = fmt::format("{}\n  {}{} frames, {} steps to t = {:.4g} s; {}\n", title,
@@ -48,7 +56,7 @@ std::string run_lines(const RunSummary& s, const std::string& title, const std::
     text +=
         fmt::format("  deepest particle {:.3f} spacings inside a wall; compression mean {:.2e}, max {:.2e}\n",
                     *s.penetration_max, *s.density_error_mean, *s.density_error_max);
-  return text + compression_warning(s) + viscosity_warning(s);
+  return text + outflow_line(s.frames.back()) + compression_warning(s) + viscosity_warning(s);
 }
 
 std::string time_line(const RunSummary& s) {

@@ -14,17 +14,20 @@ TEST(MetricsTable, HasTheDocumentedColumns) {
   EXPECT_EQ(
       metrics_header(),
       "frame,time,method,particles,penetration_max,density_error_mean,density_error_max,"
-      "viscosity_error,temperature_min,temperature_mean,temperature_max,vertices,triangles,residual_max,quality_min,quality_mean,area,volume,isosurface_"
+      "viscosity_error,temperature_min,temperature_mean,temperature_max,vertices,triangles,residual_max,"
+      "quality_min,quality_mean,area,volume,isosurface_"
       "volume,slip,rotation_captured,"
       "tracer_distance,components,genus,isosurface_components,isosurface_genus,kept_fraction,unprojected,"
       "folded_fraction,angles_outside,self_intersections,texture_jump,texture_cracks,texture_distance,"
       "texture_flicker,kept_since_frame,"
       "surface_without_mesh,mesh_without_surface,regions_replaced,regions_refused,"
-      "components_on_lattice,genus_on_lattice,vertices_replaced,particles_outside\n");
+      "components_on_lattice,genus_on_lattice,vertices_replaced,particles_outside,particles_taken,"
+      "taken_by_region\n");
 }
 
 TEST(MetricsTable, RowMatchesTheHeader) {
-  const FrameMetrics frame{7, 0.28, 1000, 0.25, 1.0 / 3.0, 0.02, 0.5, 300, 310.5, 320, {{0.75, {2, 3}}}, 14};
+  const FrameMetrics frame{7,  0.28, 1000, 0.25, 1.0 / 3.0, 0.02, 0.5, 300, 310.5, 320, {{0.75, {2, 3}}},
+                           14, 15,   "7 8"};
   SurfaceMetrics surface;
   surface.vertices = 12;
   surface.triangles = 20;
@@ -41,10 +44,10 @@ TEST(MetricsTable, RowMatchesTheHeader) {
   surface.regions_refused = 9;
   surface.judgement = {6, {10, 11}, 1.5, 2.5};
   surface.vertices_replaced = 13;
-  EXPECT_EQ(
-      metrics_row({frame, "total", surface}),
-      "7,0.28,total,1000,0.25,0.333333333333,0.02,0.5,300,310.5,320,12,20,1e-05,0.5,0.9,3.5,0.625,0.75,,0.875,,1,4,2,3,1,"
-      "5,0,0.125,6,0.5,0.25,,,0.875,1.5,2.5,8,9,10,11,13,14\n");
+  EXPECT_EQ(metrics_row({frame, "total", surface}),
+            "7,0.28,total,1000,0.25,0.333333333333,0.02,0.5,300,310.5,320,12,20,1e-05,0.5,0.9,3.5,0.625,0.75,"
+            ",0.875,,1,4,2,3,1,"
+            "5,0,0.125,6,0.5,0.25,,,0.875,1.5,2.5,8,9,10,11,13,14,15,7 8\n");
   EXPECT_EQ(split(metrics_row({frame, "total", surface}), ',').size(), split(metrics_header(), ',').size());
 }
 
@@ -57,7 +60,8 @@ TEST(MetricsTable, WhatIsNotJudgedStaysEmpty) {
   for (std::size_t c = 0; c < cells.size(); ++c)
     if (cells[c].empty()) empty += names[c] + " ";
   EXPECT_EQ(empty,
-            "penetration_max density_error_mean density_error_max viscosity_error temperature_min temperature_mean temperature_max isosurface_volume slip "
+            "penetration_max density_error_mean density_error_max viscosity_error temperature_min "
+            "temperature_mean temperature_max isosurface_volume slip "
             "rotation_captured tracer_distance isosurface_components isosurface_genus self_intersections "
             "texture_distance texture_flicker surface_without_mesh mesh_without_surface "
             "components_on_lattice genus_on_lattice ");
@@ -102,7 +106,7 @@ class MetricsFile : public Scratch {};
 
 TEST_F(MetricsFile, IsReadBackToItsDigits) {
   const std::string first = "0,0,total,8,,,,,1,2,3.5,4.5,5.5,6.5,7.5,8.5,,,,9,10,11,12,13.5,14,15.5,16.5,17,",
-                    rest = "18.5,19.5,19.625,19.75,20.5,21.5,22.5,23,24,25,26,27,28\n",
+                    rest = "18.5,19.5,19.625,19.75,20.5,21.5,22.5,23,24,25,26,27,28,29,14 15\n",
                     second =
                         "1,0.04,normal,8,0.25,1e-05,0.5,0.9,1,2,3.5,4.5,5.5,6.5,7.5,8.5,0.1,0.2,0.3,9,10,11,"
                         "12,13.5,14,15.5,16.5,17,";
@@ -115,6 +119,8 @@ TEST_F(MetricsFile, IsReadBackToItsDigits) {
   EXPECT_EQ(rows[1].method, "normal");
   EXPECT_EQ(rows[1].surface.vertices_replaced, 27u);
   EXPECT_EQ(rows[1].frame.particles_outside, 28u);
+  EXPECT_EQ(rows[1].frame.particles_taken, 29u);
+  EXPECT_EQ(rows[1].frame.taken_by_region, "14 15");
 }
 
 TEST_F(MetricsFile, DamagedOnesAreOneLine) {
