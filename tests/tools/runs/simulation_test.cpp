@@ -6,6 +6,8 @@
 #include <sstream>
 
 #include "core/saved_state.h"
+#include "surface/measure/surface_metrics.h"
+#include "surface/mesh/mesh_measures.h"
 #include "tests/tools/everything_scene.h"
 #include "tests/tools/scratch.h"
 
@@ -103,6 +105,42 @@ TEST_F(Simulations, VerticesHaveTheSourceOfTheNearestParticle) {
         << time;
   }
   EXPECT_EQ(std::set<int>(mesh.source.begin(), mesh.source.end()), (std::set{0, 1, 2})) << "all are known";
+}
+
+// A stream into an outflow region, for three times as long as it takes to get there.
+TEST_F(Simulations, TrackedSurfaceEndsWhereTheLiquidDoes) {
+  Simulation simulation(prepare(parse_scene(R"(
+duration = 0.8
+[fluid]
+spacing = 0.02
+kinematic_viscosity = 0.005
+[[fluid.emitter]]
+shape = "disc"
+position = [0, 0.2, 0]
+direction = [1, 0, 0]
+radius = 0.05
+speed = 1.0
+[[outflow]]
+shape = "box"
+lower = [0.2, -0.5, -0.5]
+upper = [0.9, 0.5, 0.5]
+)",
+                                            "stream.toml")));
+  for (double time = 0.1; time < 0.85; time += 0.1) {
+    simulation.advance(time, [](const FluidStep&) { return true; });
+    const TriangleMesh& mesh = simulation.surfaces().mesh();
+    const double sigma = simulation.surfaces().length_scale(),
+                 volume = area_and_volume(mesh.position, mesh.triangles).volume;
+    const FreshIsosurface fresh = fresh_isosurface(simulation.field(), sigma);
+    EXPECT_NEAR(volume / fresh.metrics.volume, 1, 0.03) << time;
+    EXPECT_EQ(mesh_topology(mesh.position, mesh.triangles).components, fresh.metrics.topology.components)
+        << time;
+    double farthest = 0;
+    for (const Vec3& x : mesh.position) farthest = std::max(farthest, x.x());
+    EXPECT_LT(farthest, 0.2 + sigma);
+  }
+  EXPECT_GT(simulation.fluid().steps(), 150u);
+  EXPECT_GT(simulation.fluid().taken()[0], simulation.fluid().size());
 }
 
 }  // namespace

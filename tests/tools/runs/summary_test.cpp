@@ -44,6 +44,23 @@ TEST(Summary, WarnsOfAViscositySolveThatDidNotConverge) {
             std::string::npos);
 }
 
+TEST(Summary, SaysWhatHasFlowedOut) {
+  RunSummary summary;
+  summary.methods.resize(1);
+  summary.methods[0].add_frame("total", {});
+  const auto text_with = [&](std::size_t taken, const std::string& by_region) {
+    FrameMetrics frame;
+    frame.particles_taken = taken;
+    frame.taken_by_region = by_region;
+    summary.add_frame(frame, 0, 0);
+    return summary_text(summary, "A run", {}, "out/run");
+  };
+  EXPECT_EQ(text_with(0, "").find("outflow"), std::string::npos);
+  EXPECT_NE(text_with(12, "12").find("\n  particles taken by outflow regions: 12\n"), std::string::npos);
+  EXPECT_NE(text_with(12, "5 7").find("\n  particles taken by outflow regions: 12 (by region: 5 7)\n"),
+            std::string::npos);
+}
+
 // The first frame's time is that of the first mesh, which the first method bears alone.
 TEST(Summary, TimeAFrameIsTheMedianOfThoseAfterTheFirst) {
   RunSummary summary;
