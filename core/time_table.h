@@ -53,8 +53,8 @@ Value TimeTable<Value>::at(double time) const {
 
 template <class Value>
 Value TimeTable<Value>::mean(double t0, double t1) const {
+  if (!(t0 < t1)) return at(t0);
   const Value first = at(t0);
-  if (!(t0 < t1)) return first;
   // What is summed up is the difference to the first value: nothing is rounded where that does not change.
   Value sum = 0 * first, last = sum;
   double time = t0;

@@ -162,8 +162,8 @@ double Emitters::Nozzle::columns_made(double share, double layers) const {
   if (!(layers > 0)) return 0;
   const double due = std::floor(share * (layers - kReserve) + kReserve);
   const double all = std::floor(share * way_of_stream(emitter, spacing, emitter.end) + 0.5);
-  const double limit = static_cast<double>(emitter.max_particles / layer_size);
-  return std::min({due, all, std::floor(share * limit)});
+  const std::size_t limit = emitter.max_particles / layer_size;  // whole layers
+  return std::min({due, all, std::floor(share * static_cast<double>(limit))});
 }
 
 Emitters::Emitters(const FluidOptions& options) {
