@@ -129,7 +129,7 @@ void check_emitted(const Scene& scene, std::size_t in_blocks) {
   double total = static_cast<double>(in_blocks);
   for (std::size_t e = 0; e < scene.fluid.emitters.size(); ++e) {
     total += emitted_particles(scene.fluid.emitters[e], scene);
-    if (total > kMaxParticles)
+    if (total > kMaxParticles && scene.fluid.outflows.empty())
       throw InvalidInput(scene.emitters_where[e],
                          fmt::format("the liquid would have {:.3g} particles by the end; allowed: at most "
                                      "{:.3g}, with a larger spacing, a smaller mouth or a particle_limit",

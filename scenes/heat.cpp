@@ -5,6 +5,7 @@ namespace {
 
 // Bounds that keep what is computed finite.
 constexpr double kHottest = 1e5;          // [K]
+constexpr double kMinSpecificHeat = 1;    // [J/(kg K)]
 constexpr double kMaxSpecificHeat = 1e6;  // [J/(kg K)]
 constexpr double kMaxConductivity = 1e6;  // [W/(m K)]
 constexpr double kMaxConvection = 1e6;    // [W/(m2 K)]
@@ -21,7 +22,7 @@ HeatProperties read_heat_properties(TomlTable& t, const std::optional<HeatProper
     return usual ? std::optional((*usual).*member) : std::nullopt;
   };
   HeatProperties result;
-  result.specific_heat = t.number("specific_heat", positive("J/(kg K)", kMaxSpecificHeat),
+  result.specific_heat = t.number("specific_heat", {kMinSpecificHeat, kMaxSpecificHeat, false, "J/(kg K)"},
                                   fallback(&HeatProperties::specific_heat));
   result.conductivity = t.number("conductivity", non_negative("W/(m K)", kMaxConductivity),
                                  fallback(&HeatProperties::conductivity));

@@ -52,7 +52,7 @@ Law read_thinning(TomlTable& t, double density, double Law::*power, std::string_
   return law;
 }
 
-/// The law, or none; its keys are read in any case, so that they are known ones.
+/// The law, or none.
 TemperatureLaw read_temperature_law(TomlTable& t, bool has_heat) {
   enum class Kind { arrhenius, vogel };
   static constexpr Named<Kind> kKinds[] = {{"arrhenius", Kind::arrhenius},

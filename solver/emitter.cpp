@@ -173,15 +173,21 @@ Emitters::Emitters(const FluidOptions& options) {
 double Emitters::fastest(double t0, double t1) const {
   double speed = 0;
   for (const Nozzle& nozzle : nozzles_) {
-    if (nozzle.done) continue;
     const Emitter& e = nozzle.emitter;
+    if (nozzle.done && e.motion.at_rest()) continue;  // else its last layers may still be led
     const double flow = nozzle.profile.largest() * e.largest_speed(t0, t1);
     const auto of_mouth = [&](double time) {
       const RigidVelocity v = e.motion.velocity(time);
       return v.at(e.motion.pose(time) * e.position).norm() +
              v.angular.norm() * (nozzle.reach + kNozzleLength * nozzle.spacing);
     };
-    speed = std::max(speed, flow + (e.motion.at_rest() ? 0 : std::max(of_mouth(t0), of_mouth(t1))));
+    if (!e.motion.at_rest()) {
+      double mouth = std::max(of_mouth(t0), of_mouth(t1));
+      for (const BodyMotion::Key& key : e.motion.keys)
+        if (key.time > t0 && key.time < t1) mouth = std::max(mouth, of_mouth(key.time));
+      speed = std::max(speed, flow + mouth);
+    }
+    speed = std::max(speed, flow);
   }
   return speed;
 }

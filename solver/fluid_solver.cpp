@@ -27,8 +27,7 @@ namespace kappaflow {
 namespace {
 
 // Errors at the last iteration beyond which the flow is no longer the liquid's.
-constexpr double kFailedHeat = 10;        // of what is tolerated [1]
-constexpr double kFailedViscosity = 10;   // likewise [1]
+constexpr double kFailedViscosity = 10;   // of what is tolerated [1]
 constexpr double kFailedPressure = 0.01;  // mean compression [1]
 // Motion in one step beyond which the flow explodes [spacings]; cfl, at most 1, is what was planned.
 constexpr double kFailedMotion = 10;
@@ -104,6 +103,11 @@ std::vector<std::uint32_t> order_by_id(const FluidParticles& particles) {
 template <class T, class Value>
 std::vector<T> values_by_id(const FluidParticles& particles, const Value& value) {
   std::vector<T> result;
+  if (particles.size() == particles.source.size()) {  // none is gone
+    result.resize(particles.size());
+    for (std::size_t i = 0; i < particles.size(); ++i) result[particles.id[i]] = value(i);
+    return result;
+  }
   result.reserve(particles.size());
   for (const std::uint32_t i : order_by_id(particles)) result.push_back(value(i));
   return result;
@@ -353,7 +357,15 @@ void FluidSolver::State::check_finite() const {
 }
 
 void FluidSolver::State::check_heat(const HeatSolve& solve) const {
-  if (solve.error <= kFailedHeat) return;
+  if (!solve.sound) {
+    const FailedParticle coldest = worst_particle(
+        particles, [&](std::size_t i) { return static_cast<float>(-particles.temperature[i]); });
+    throw SolverFailure(
+        time, steps + 1, coldest,
+        "its temperature is not above 0 K, or not finite; take less heat by a wall's heat_flux, or "
+        "lower max_time_step");
+  }
+  if (solve.error <= 1) return;
   throw SolverFailure(
       time, steps + 1, fastest_particle(particles),
       fmt::format("the heat solver's error is {:.2g} times what is tolerated after {} iterations; lower "

@@ -163,6 +163,10 @@ void HeatSolver::exchange(FluidParticles& particles, const NeighbourLists& lists
     change_[i] = time_step * (flow + given[i] - lost[i]) / capacity_[particles.fluid[i]];
   });
   parallel_for(n, [&](std::size_t i) { particles.temperature[i] += change_[i]; });
+  result.sound = parallel_max(n, 0, [&](std::size_t i) {
+                   const double t = particles.temperature[i];
+                   return t > 0 && std::isfinite(t) ? 0 : 1;
+                 }) == 0;
   const auto total = [&](const std::vector<double>& power) {
     return volume_ * time_step * parallel_sum(n, 0.0, [&](std::size_t i) { return power[i]; });
   };

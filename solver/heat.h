@@ -16,6 +16,7 @@ namespace kappaflow {
 struct HeatSolve {
   int iterations = 0;
   double error = 0;       ///< of the change in temperature, over what is tolerated; at most 1: converged [1]
+  bool sound = true;      ///< whether every temperature is above 0 K, and finite
   double from_walls = 0;  ///< heat that they gave [J]
   double from_air = 0;    ///< and that the air gave through the free surface; negative where liquid cools [J]
 };

@@ -30,7 +30,7 @@ struct RectangleMouth {
 /// How fast the liquid is across a mouth.
 enum class FlowProfile {
   uniform,    ///< as fast everywhere
-  parabolic,  ///< as developed flow in a pipe of that section: see speed_profile() in emitter_flow.h
+  parabolic,  ///< as developed flow in a pipe of that section: see SpeedProfile in emitter_flow.h
 };
 
 /// A mouth that liquid leaves. Particles come in layers of a square lattice, one layer every spacing / speed

@@ -230,7 +230,7 @@ void ViscositySolver::solve_system(ConjugateGradients& step, double speed_of_fal
 
 ViscositySolve ViscositySolver::solve(FluidParticles& particles, const NeighbourLists& lists,
                                       const WallSums& walls, float time_step, double time) {
-  if (forces_.none()) return {};
+  if (forces_.none() || particles.size() == 0) return {};
   const double dt = static_cast<double>(time_step);
   const double speed_of_fall = gravity_.mean(time, time + dt).norm() * dt;
   const auto find_viscosities = [&](bool again) {

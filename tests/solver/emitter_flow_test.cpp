@@ -110,6 +110,7 @@ TEST(EmitterFlow, VolumeIsMeanSpeedTimesAreaTimesTimeWhateverTheProfile) {
     }
     EXPECT_GT(ahead, 0.9 * profile.largest() * 0.21);
     EXPECT_LT(behind, 0.18);
+    EXPECT_GT(behind, 0) << "slow parts were looked at";
   }
 }
 
@@ -155,7 +156,7 @@ TEST(EmitterFlow, VolumeIsTheIntegralOfTheRamp) {
   }
 }
 
-TEST(EmitterFlow, ConstantRampIsConstantSpeedBitForBit) {
+TEST(EmitterFlow, ConstantRampIsConstantSpeed) {
   const auto positions = [](const Emitter& e) {
     FluidSolver s(options(e), {}, {}, {});
     run(s, 0.2);

@@ -131,6 +131,13 @@ TEST(Heat, WallsGiveTheFluxThatTheyAreSaidTo) {
   EXPECT_NEAR(heat(slab.solver, o) - before, slab.from_walls, 1e-9 * before);
 }
 
+TEST(Heat, TakenBelowAbsoluteZeroIsAFailure) {
+  FluidOptions o = still(0.1);
+  o.heat->walls = {{WallHeat::Kind::flux, -1e10}};
+  Slab slab(o);
+  EXPECT_THROW(slab.advance(1), SolverFailure);
+}
+
 TEST(Heat, IsKeptInLiquidThatMovesWithoutIt) {
   FluidOptions o = still(0.1);
   o.gravity = {3, -9.81, 0};

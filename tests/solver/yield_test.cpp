@@ -1,6 +1,5 @@
 // The viscous solve of liquids whose viscosity depends on the shear rate, and what becomes of a heap of one
 // with a yield stress.
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
@@ -88,8 +87,6 @@ TEST(Yield, LiquidThatThickensTakesFewSystems) {
                                      .solve(liquid.particles, liquid.lists, liquid.wall_sums, kTimeStep);
     EXPECT_LE(solve.error, 1) << index;
     EXPECT_LE(solve.systems, 8) << index;
-    RecordProperty(fmt::format("systems_{}", index), solve.systems);
-    std::printf("index %g systems %d iterations %d\n", index, solve.systems, solve.iterations);
   }
 }
 

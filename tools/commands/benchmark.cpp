@@ -52,7 +52,8 @@ Measurement measure(const PreparedScene& prepared, int threads, const BenchmarkO
                                   static_cast<std::size_t>(threads));
   const Scene& scene = prepared.scene;
   const FluidParticlesAtStart& start = prepared.start;
-  FluidSolver solver(scene.fluid, start.position, start.velocity, prepared.walls, start.fluid);
+  FluidSolver solver(scene.fluid, start.position, start.velocity, prepared.walls, start.fluid, start.source,
+                     start.temperature);
   Measurement result;
   result.particles = start.position.size();
   result.threads = threads;

@@ -128,6 +128,9 @@ InputFrame frame_from_points(const PointData& points, const fs::path& file) {
   copy_scalar(find_array(arrays, {"density", "rho", "rhop"}, 1), chosen, frame.density);
   copy_scalar(find_array(arrays, {"pressure", "press", "p"}, 1), chosen, frame.pressure);
   copy_scalar(find_array(arrays, {"temperature", "temp"}, 1), chosen, frame.temperature);
+  // With a number that is not finite it is something else, or not known everywhere.
+  if (!std::ranges::all_of(frame.temperature, [](float t) { return std::isfinite(t); }))
+    frame.temperature.clear();
   copy_names(find_array(arrays, {"source"}, 1), chosen, frame.source);
   if (const PointArray* radius = find_radius(arrays)) {
     frame.radius_name = radius->name;
@@ -229,7 +232,6 @@ InputFrame read_input_frame(const fs::path& file) {
   check_finite(frame.velocity, "velocity", frame, file);
   check_finite(frame.density, "density", frame, file);
   check_finite(frame.pressure, "pressure", frame, file);
-  check_finite(frame.temperature, "temperature", frame, file);
   check_finite(frame.radius, "radius", frame, file);
   if (const auto bad = std::ranges::find_if(frame.radius, [](double r) { return r <= 0; });
       bad != frame.radius.end())

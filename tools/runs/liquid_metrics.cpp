@@ -13,6 +13,7 @@ double penetration_max(std::span<const Vec3> position, const WallDistance& walls
 
 Compression compression(std::span<const float> density, double rest_density) {
   const std::size_t n = density.size();
+  if (n == 0) return {};
   const auto of = [&](std::size_t i) {
     return std::max(static_cast<double>(density[i]) / rest_density - 1, 0.0);
   };

@@ -76,6 +76,7 @@ std::string time_line(const RunSummary& s) {
 
 std::string volume_text(const SurfaceMetrics& surface, const FrameMetrics& frame) {
   if (!frame.isosurface) return "-";
+  if (!(frame.isosurface->volume > 0)) return "-";
   return fmt::format("{:+.2f}%", 100 * (surface.size.volume / frame.isosurface->volume - 1));
 }
 

@@ -105,17 +105,19 @@ TEST(MetricsTable, NumbersAreThoseOfTheCells) {
 class MetricsFile : public Scratch {};
 
 TEST_F(MetricsFile, IsReadBackToItsDigits) {
-  const std::string first = "0,0,total,8,,,,,1,2,3.5,4.5,5.5,6.5,7.5,8.5,,,,9,10,11,12,13.5,14,15.5,16.5,17,",
-                    rest = "18.5,19.5,19.625,19.75,20.5,21.5,22.5,23,24,25,26,27,28,29,14 15\n",
-                    second =
-                        "1,0.04,normal,8,0.25,1e-05,0.5,0.9,1,2,3.5,4.5,5.5,6.5,7.5,8.5,0.1,0.2,0.3,9,10,11,"
-                        "12,13.5,14,15.5,16.5,17,";
+  const std::string
+      first = "0,0,total,8,,,,,,,,1,2,3.5,4.5,5.5,6.5,7.5,8.5,,,,9,10,11,12,13.5,14,15.5,16.5,17,",
+      rest = "18.5,19.5,19.625,19.75,20.5,21.5,22.5,23,24,25,26,27,28,29,14 15\n",
+      second =
+          "1,0.04,normal,8,0.25,1e-05,0.5,0.9,290,300,310,1,2,3.5,4.5,5.5,6.5,7.5,8.5,0.1,0.2,0.3,9,10,11,"
+          "12,13.5,14,15.5,16.5,17,";
   const auto rows = read_metrics(file("metrics.csv", metrics_header() + first + rest + second + rest));
   ASSERT_EQ(rows.size(), 2u);
   EXPECT_EQ(metrics_row(rows[0]), first + rest);
   EXPECT_EQ(metrics_row(rows[1]), second + rest);
   EXPECT_FALSE(rows[0].surface.slip.has_value());
   EXPECT_EQ(rows[1].surface.slip, 0.1);
+  EXPECT_EQ(rows[1].frame.temperature_max, 310);
   EXPECT_EQ(rows[1].method, "normal");
   EXPECT_EQ(rows[1].surface.vertices_replaced, 27u);
   EXPECT_EQ(rows[1].frame.particles_outside, 28u);
