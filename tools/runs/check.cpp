@@ -104,6 +104,7 @@ std::string gravity_line(const FluidOptions& fluid) {
   const auto& keys = fluid.gravity_table.keys;
   if (keys.empty()) return "";
   std::vector<std::string> values;
+  values.reserve(keys.size());
   for (const auto& [time, gravity] : keys)
     values.push_back(fmt::format("{} at {:.4g} s", vector_text(gravity), time));
   return fmt::format("    gravity {} m/s2\n", fmt::join(values, ", "));
@@ -153,9 +154,9 @@ std::string check_text(const PreparedScene& prepared, int threads) {
          liquid_lines(scene) + surface_line(scene.surface, scene.fluid.spacing) +
          fmt::format(
              "  particles {}{}\n  boundary particles {}\n  memory    {} {:.0f} MB\n"
-             "  time      {} {} on {} thread{}\n",
+             "  time      about {} on {} thread{}\n",
              cost.particles, cost.emitted > 0 ? fmt::format(", and {} from emitters", cost.emitted) : "",
-             cost.boundary_particles, about, std::ceil(static_cast<double>(cost.memory_bytes) / 1e6), about,
+             cost.boundary_particles, about, std::ceil(static_cast<double>(cost.memory_bytes) / 1e6),
              duration_text(cost.seconds), threads, threads == 1 ? "" : "s");
 }
 
