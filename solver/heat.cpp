@@ -81,13 +81,16 @@ double HeatSolver::air_conductance(std::size_t i, const FluidParticles& particle
   return static_cast<double>(free_area(particles.density[i], spacing_)) * (options_->convection + radiation);
 }
 
-/// What walls of given flux give the particle [W/m3]: g = 1 / (spacing d) is the area over the volume, 1 /
-/// spacing, where liquid rests.
-double HeatSolver::wall_flux(std::size_t i, const WallSums& walls) const {
+/// What the walls give the particle where its temperature is t [W/m3]. g = 1 / (spacing d) is the area over
+/// the volume, 1 / spacing, where liquid rests.
+double HeatSolver::from_walls(std::size_t i, const FluidParticles& particles, const WallSums& walls,
+                              double t) const {
   if (walls.heat.empty() || !walls.touches(i)) return 0;
   const std::uint32_t contact = walls.contact[i];
-  return kContactDistance * static_cast<double>(spacing_ * walls.friction[contact][3]) *
-         static_cast<double>(walls.heat[contact].flux);
+  const WallHeatSum& heat = walls.heat[contact];
+  const double area = kContactDistance * static_cast<double>(spacing_ * walls.friction[contact][3]);
+  return area * static_cast<double>(heat.flux) +
+         wall_conductance(i, particles, walls) * (static_cast<double>(heat.temperature) - t);
 }
 
 void HeatSolver::set_up(const FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,
@@ -96,13 +99,12 @@ void HeatSolver::set_up(const FluidParticles& particles, const NeighbourLists& l
     array->resize(particles.size());
   const std::vector<double>& t = particles.temperature;
   parallel_for(particles.size(), [&](std::size_t i) {
-    double sum = 0, flow = wall_flux(i, walls);
+    double sum = 0, flow = from_walls(i, particles, walls, t[i]);
     for_pairs(i, particles, lists, [&](std::size_t j, double weight) {
       sum += weight;
       flow += weight * (t[j] - t[i]);
     });
     const double wall = wall_conductance(i, particles, walls), air = air_conductance(i, particles);
-    if (wall > 0) flow += wall * (static_cast<double>(walls.heat[walls.contact[i]].temperature) - t[i]);
     flow += air * (options_->ambient_temperature - t[i]);
     diagonal_[i] = capacity_[particles.fluid[i]] + time_step * (sum + wall + air);
     right_[i] = time_step * flow;
@@ -156,9 +158,7 @@ void HeatSolver::exchange(FluidParticles& particles, const NeighbourLists& lists
     double flow = 0;
     for_pairs(i, particles, lists,
               [&](std::size_t j, double weight) { flow += weight * (after[j] - after[i]); });
-    given[i] = wall_flux(i, walls);
-    if (const double wall = wall_conductance(i, particles, walls); wall > 0)
-      given[i] += wall * (static_cast<double>(walls.heat[walls.contact[i]].temperature) - after[i]);
+    given[i] = from_walls(i, particles, walls, after[i]);
     lost[i] = air_conductance(i, particles) * (after[i] - options_->ambient_temperature);
     change_[i] = time_step * (flow + given[i] - lost[i]) / capacity_[particles.fluid[i]];
   });

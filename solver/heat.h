@@ -65,7 +65,7 @@ class HeatSolver {
                  const Visit& visit) const;
   double wall_conductance(std::size_t i, const FluidParticles& particles, const WallSums& walls) const;
   double air_conductance(std::size_t i, const FluidParticles& particles) const;
-  double wall_flux(std::size_t i, const WallSums& walls) const;
+  double from_walls(std::size_t i, const FluidParticles& particles, const WallSums& walls, double t) const;
 
   void set_up(const FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,
               double time_step);

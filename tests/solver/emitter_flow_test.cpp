@@ -2,29 +2,22 @@
 #include "solver/emitter_flow.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <cmath>
 #include <functional>
-#include <memory>
-#include <sstream>
 
 #include "core/errors.h"
-#include "core/saved_state.h"
 #include "solver/emitter.h"
 #include "solver/fluid_solver.h"
+#include "tests/solver/streams.h"
 
 namespace kappaflow {
 namespace {
 
-constexpr double kSpacing = 0.02;
+using test::downward;
+using test::run;
 
-Emitter downward(double radius, double speed) {
-  Emitter e;
-  e.mouth = DiscMouth{radius};
-  e.speed = speed;
-  return e;
-}
+constexpr double kSpacing = 0.02;
 
 FluidOptions options(const Emitter& emitter) {
   FluidOptions o;
@@ -33,10 +26,6 @@ FluidOptions options(const Emitter& emitter) {
   o.gravity.setZero();
   o.emitters = {emitter};
   return o;
-}
-
-void run(FluidSolver& s, double time) {
-  while (s.time() < time) s.step(time - s.time());
 }
 
 SpeedProfile profile_of(const Emitter& e) {
@@ -237,19 +226,8 @@ FluidOptions everything() {
 }
 
 TEST(EmitterFlow, SameBitsWithAnyNumberOfThreadsAndWhenReadBack) {
-  const auto after = [](std::size_t threads, bool interrupted) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    auto s = std::make_unique<FluidSolver>(FluidSolver(everything(), {}, {}, {}));
-    for (int k = 0; k < 50; ++k) {
-      s->step(1);
-      if (!interrupted) continue;
-      std::stringstream state;
-      StateWriter(state, little_endian())(*s);
-      s = std::make_unique<FluidSolver>(FluidSolver(everything(), {}, {}, {}));
-      StateReader archive(state);
-      archive(*s);
-    }
-    return s->particles();
+  const auto after = [](std::size_t threads, bool saved) {
+    return test::after_steps(everything(), 50, threads, saved)->particles();
   };
   const Particles one = after(1, false);
   for (const Particles& other : {after(4, false), after(2, true)}) {

@@ -10,18 +10,15 @@
 #include "core/particles.h"
 #include "core/saved_state.h"
 #include "solver/fluid_solver.h"
+#include "tests/solver/streams.h"
 
 namespace kappaflow {
 namespace {
 
-constexpr double kSpacing = 0.02;
+using test::downward;
+using test::run;
 
-Emitter downward(double radius, double speed) {
-  Emitter e;
-  e.mouth = DiscMouth{radius};
-  e.speed = speed;
-  return e;
-}
+constexpr double kSpacing = 0.02;
 
 FluidOptions options(const Emitter& emitter) {
   FluidOptions o;
@@ -33,10 +30,6 @@ FluidOptions options(const Emitter& emitter) {
 
 FluidSolver solver(const FluidOptions& o) {
   return {o, {}, {}, {}};
-}
-
-void run(FluidSolver& s, double time) {
-  while (s.time() < time) s.step(time - s.time());
 }
 
 TEST(EmitterLayer, CoversTheMouthAcrossTheDirection) {

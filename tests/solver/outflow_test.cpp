@@ -1,18 +1,15 @@
 #include "solver/outflow.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <numeric>
-#include <sstream>
 
 #include "core/errors.h"
-#include "core/saved_state.h"
 #include "solver/fluid_solver.h"
 #include "tests/solver/shapes.h"
+#include "tests/solver/streams.h"
 
 namespace kappaflow {
 namespace {
@@ -121,19 +118,8 @@ TEST(Outflow, StreamIntoItKeepsItsLength) {
 }
 
 TEST(Outflow, SameBitsWithAnyNumberOfThreadsAndWhenReadBack) {
-  const auto after = [](std::size_t threads, bool interrupted) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    auto s = std::make_unique<FluidSolver>(FluidSolver(stream(), {}, {}, {}));
-    for (int k = 0; k < 60; ++k) {
-      s->step(1);
-      if (!interrupted) continue;
-      std::stringstream state;
-      StateWriter(state, little_endian())(*s);
-      s = std::make_unique<FluidSolver>(FluidSolver(stream(), {}, {}, {}));
-      StateReader archive(state);
-      archive(*s);
-    }
-    return s;
+  const auto after = [](std::size_t threads, bool saved) {
+    return test::after_steps(stream(), 60, threads, saved);
   };
   const auto one = after(1, false), many = after(4, false), resumed = after(2, true);
   EXPECT_GT(sum(one->taken()), 100u);

@@ -1,0 +1,42 @@
+// Emitters and solvers that step, for the tests of what flows in and out.
+#pragma once
+
+#include <tbb/global_control.h>
+
+#include <memory>
+#include <sstream>
+
+#include "core/saved_state.h"
+#include "solver/fluid_solver.h"
+
+namespace kappaflow::test {
+
+inline Emitter downward(double radius, double speed) {
+  Emitter e;
+  e.mouth = DiscMouth{radius};
+  e.speed = speed;
+  return e;
+}
+
+inline void run(FluidSolver& s, double time) {
+  while (s.time() < time) s.step(time - s.time());
+}
+
+/// The liquid of emitters after so many steps. saved: it is saved and read back after each of them.
+inline std::unique_ptr<FluidSolver> after_steps(const FluidOptions& options, int steps, std::size_t threads,
+                                                bool saved) {
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+  auto s = std::make_unique<FluidSolver>(FluidSolver(options, {}, {}, {}));
+  for (int k = 0; k < steps; ++k) {
+    s->step(1);
+    if (!saved) continue;
+    std::stringstream state;
+    StateWriter(state, little_endian())(*s);
+    s = std::make_unique<FluidSolver>(FluidSolver(options, {}, {}, {}));
+    StateReader archive(state);
+    archive(*s);
+  }
+  return s;
+}
+
+}  // namespace kappaflow::test
