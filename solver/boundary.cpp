@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -80,7 +81,8 @@ Walls::Walls(std::span<const WallBody> bodies, float spacing) : spacing_(spacing
       friction_factor(static_cast<double>(spacing), static_cast<double>(kernel_.support())));
   for (const WallBody& body : bodies) {
     bodies_.push_back(make_body(body));
-    moving_ = moving_ || !body.motion.at_rest();
+    moving_ = moving_ || bodies_.back().moves();
+    rigid_ = rigid_ || body.rigid;
     heats_ = heats_ || !body.heat.empty();
   }
   move_to(0);
@@ -89,6 +91,7 @@ Walls::Walls(std::span<const WallBody> bodies, float spacing) : spacing_(spacing
 Walls::Body Walls::make_body(const WallBody& wall) const {
   Body body;
   body.motion = wall.motion;
+  body.rigid = wall.rigid;
   std::vector<Vec3> points;
   for (const WallSample& sample : wall.samples) {
     points.push_back(sample.position);
@@ -138,8 +141,18 @@ std::size_t Walls::bytes() const {
 
 void Walls::move_to(double time) {
   for (Body& body : bodies_) {
+    if (body.rigid) continue;
     body.pose = body.motion.pose(time);
     body.velocity = body.motion.velocity(time);
+  }
+}
+
+void Walls::place(std::size_t rigid_body, const RigidPose& pose, const RigidVelocity& velocity) {
+  for (Body& body : bodies_) {
+    if (!body.rigid || rigid_body-- > 0) continue;
+    body.pose = pose;
+    body.velocity = velocity;
+    return;
   }
 }
 
@@ -150,8 +163,15 @@ double Walls::fastest() const {
   return speed;
 }
 
+/// Whether a rigid body may be within the support, by the sphere about its centre of mass.
+bool Walls::is_near(const Body& body, const Vec4f& x) const {
+  const double reach = body.reach + static_cast<double>(kernel_.support());
+  const Vec3 centre = body.pose * body.motion.point;
+  return (x.head<3>().cast<double>() - centre).squaredNorm() < reach * reach;
+}
+
 Walls::Contact Walls::contact(const Body& body, const Vec4f& x) const {
-  const bool moving = !body.motion.at_rest();
+  const bool moving = body.moves();
   const Vec3 world = x.head<3>().cast<double>();
   const Vec4f rest = moving ? padded(body.pose.inverse(world)) : x;
   const float support = kernel_.support();
@@ -168,6 +188,7 @@ Walls::Contact Walls::contact(const Body& body, const Vec4f& x) const {
       const float r = std::sqrt(r2), volume = body.position[b][3];
       const float friction = volume / std::max(r, kLeastWallDistance * spacing_);
       sum.touches = true;
+      if (body.rigid) std::atomic_ref(body.wet[b]).store(1, std::memory_order_relaxed);
       sum.density += volume * kernel_.value(r);
       sum.gradient += volume * kernel_.gradient_factor(r) * d;
       sum.friction += friction;
@@ -179,6 +200,7 @@ Walls::Contact Walls::contact(const Body& body, const Vec4f& x) const {
   const Eigen::Matrix3f rotation = body.pose.rotation.cast<float>();
   sum.gradient.head<3>() = rotation * sum.gradient.head<3>();
   sum.normal.head<3>() = rotation * sum.normal.head<3>();
+  if (body.rigid) return sum;  // its velocity changes within a step
   // A rotation's velocity differs between the particle and a sample by a vector across the line that joins
   // them, along which the kernel's gradient lies: for the density, the particle's place serves as well as the
   // sample's.
@@ -189,57 +211,91 @@ Walls::Contact Walls::contact(const Body& body, const Vec4f& x) const {
   return sum;
 }
 
+void Walls::add_contact(const Contact& sum, std::uint32_t body, std::size_t i, FluidParticles& particles,
+                        Found& found) const {
+  if (!sum.touches) return;
+  particles.density[i] += sum.density;
+  particles.gradient_sum[i] += sum.gradient;
+  // Between opposite walls the normals cancel, and there is no direction without friction.
+  const float length = sum.normal.norm();
+  Vec4f f = length > 1e-3f * sum.friction ? Vec4f(sum.normal / length) : Vec4f(Vec4f::Zero());
+  f[3] = friction_scale_ * sum.friction;
+  found.friction.push_back(f);
+  if (heats_) found.heat.push_back(sum.heat_sum());
+  if (rigid_) {
+    found.body.push_back(body);
+    found.gradient.push_back(sum.gradient);
+  }
+  if (!moving_) return;
+  const float rate = sum.velocity[3];
+  Vec4f velocity = sum.velocity / std::max(sum.friction, std::numeric_limits<float>::min());
+  velocity[3] = rate;
+  found.velocity.push_back(velocity);
+}
+
 void Walls::add_to_chunk(std::size_t chunk, FluidParticles& particles, WallSums& sums) {
   const std::size_t end = std::min((chunk + 1) * kChunk, particles.size());
-  auto &friction = found_friction_[chunk], &velocity = found_velocity_[chunk];
-  auto& heat = found_heat_[chunk];
-  friction.clear();
-  velocity.clear();
-  heat.clear();
+  Found& found = found_[chunk];
+  found.friction.clear();
+  found.velocity.clear();
+  found.heat.clear();
+  found.body.clear();
+  found.gradient.clear();
   for (std::size_t i = chunk * kChunk; i < end; ++i) {
-    Contact sum;
-    for (const Body& body : bodies_) sum += contact(body, particles.position[i]);
-    sums.contact[i] = sum.touches ? static_cast<std::uint32_t>(friction.size()) : WallSums::kNone;
-    if (!sum.touches) continue;
-    particles.density[i] += sum.density;
-    particles.gradient_sum[i] += sum.gradient;
-    // Between opposite walls the normals cancel, and there is no direction without friction.
-    const float length = sum.normal.norm();
-    Vec4f f = length > 1e-3f * sum.friction ? Vec4f(sum.normal / length) : Vec4f(Vec4f::Zero());
-    f[3] = friction_scale_ * sum.friction;
-    friction.push_back(f);
-    if (heats_) heat.push_back(sum.heat_sum());
-    if (!moving_) continue;
-    const float rate = sum.velocity[3];
-    sum.velocity /= std::max(sum.friction, std::numeric_limits<float>::min());
-    sum.velocity[3] = rate;
-    velocity.push_back(sum.velocity);
+    sums.first[i] = static_cast<std::uint32_t>(found.friction.size());
+    const Vec4f x = particles.position[i];
+    Contact prescribed;
+    for (const Body& body : bodies_)
+      if (!body.rigid) prescribed += contact(body, x);
+    add_contact(prescribed, WallSums::kPrescribed, i, particles, found);
+    if (!rigid_) continue;
+    std::uint32_t number = 0;
+    for (const Body& body : bodies_) {
+      if (!body.rigid) continue;
+      if (is_near(body, x)) add_contact(contact(body, x), number, i, particles, found);
+      ++number;
+    }
   }
+}
+
+double Walls::wet_share(std::size_t rigid_body) const {
+  for (const Body& body : bodies_) {
+    if (!body.rigid || rigid_body-- > 0) continue;
+    const auto wet = std::ranges::count(body.wet, 1);
+    return static_cast<double>(wet) / static_cast<double>(std::max<std::size_t>(body.wet.size(), 1));
+  }
+  return 0;
 }
 
 void Walls::add_to(FluidParticles& particles, WallSums& sums) {
   const std::size_t n = particles.size(), chunks = (n + kChunk - 1) / kChunk;
-  sums.contact.resize(n);
-  found_friction_.resize(chunks);
-  found_velocity_.resize(chunks);
-  found_heat_.resize(chunks);
+  sums.first.resize(n + 1);
+  for (Body& body : bodies_) body.wet.assign(body.rigid ? body.position.size() : 0, 0);
+  found_.resize(chunks);
   parallel_for(
       chunks, [&](std::size_t chunk) { add_to_chunk(chunk, particles, sums); }, 1);
 
   first_of_chunk_.assign(1, 0);
-  for (const auto& found : found_friction_) first_of_chunk_.push_back(first_of_chunk_.back() + found.size());
-  sums.friction.resize(first_of_chunk_.back());
-  sums.velocity.resize(moving_ ? first_of_chunk_.back() : 0);
-  sums.heat.resize(heats_ ? first_of_chunk_.back() : 0);
+  for (const Found& found : found_) first_of_chunk_.push_back(first_of_chunk_.back() + found.friction.size());
+  const std::size_t contacts = first_of_chunk_.back();
+  sums.friction.resize(contacts);
+  sums.velocity.resize(moving_ ? contacts : 0);
+  sums.heat.resize(heats_ ? contacts : 0);
+  sums.body.resize(rigid_ ? contacts : 0);
+  sums.gradient.resize(rigid_ ? contacts : 0);
+  sums.first[n] = static_cast<std::uint32_t>(contacts);
   parallel_for(
       chunks,
       [&](std::size_t chunk) {
         const auto first = static_cast<std::ptrdiff_t>(first_of_chunk_[chunk]);
-        std::ranges::copy(found_friction_[chunk], sums.friction.begin() + first);
-        std::ranges::copy(found_velocity_[chunk], sums.velocity.begin() + first);
-        std::ranges::copy(found_heat_[chunk], sums.heat.begin() + first);
+        const Found& found = found_[chunk];
+        std::ranges::copy(found.friction, sums.friction.begin() + first);
+        std::ranges::copy(found.velocity, sums.velocity.begin() + first);
+        std::ranges::copy(found.heat, sums.heat.begin() + first);
+        std::ranges::copy(found.body, sums.body.begin() + first);
+        std::ranges::copy(found.gradient, sums.gradient.begin() + first);
         for (std::size_t i = chunk * kChunk; i < std::min((chunk + 1) * kChunk, n); ++i)
-          if (sums.touches(i)) sums.contact[i] += static_cast<std::uint32_t>(first);
+          sums.first[i] += static_cast<std::uint32_t>(first);
       },
       1);
 }

@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -57,7 +58,10 @@ void append_rows(Vec3 a, Vec3 b, Vec3 c, double depth, double step, Candidates& 
   if (normal.squaredNorm() == 0) return;
   const auto face = static_cast<std::uint32_t>(candidates.normal.size());
   candidates.normal.push_back(normal);
-  while ((b - a).squaredNorm() < std::max((c - b).squaredNorm(), (a - c).squaredNorm())) {
+  // The first of the longest. Each length is computed once: two that are equal could else each be the shorter
+  // one, by their rounding.
+  const std::array square{(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()};
+  for (auto turns = std::ranges::max_element(square) - square.begin(); turns > 0; --turns) {
     std::swap(a, b);
     std::swap(b, c);
   }

@@ -10,18 +10,20 @@
 #include "core/parallel.h"
 #include "core/saved_state.h"
 #include "core/stopwatch.h"
+#include "solver/body_collisions.h"
 #include "solver/boundary.h"
-#include "solver/boundary_sampling.h"
 #include "solver/emitter.h"
 #include "solver/heat.h"
 #include "solver/neighbours.h"
 #include "solver/outflow.h"
 #include "solver/pressure.h"
+#include "solver/rigid_bodies.h"
 #include "solver/start.h"
 #include "solver/surface_tension.h"
 #include "solver/time_step.h"
 #include "solver/viscosity.h"
 #include "solver/viscous_pressure.h"
+#include "solver/wall_bodies.h"
 
 namespace kappaflow {
 namespace {
@@ -113,53 +115,15 @@ std::vector<T> values_by_id(const FluidParticles& particles, const Value& value)
   return result;
 }
 
-/// The rule of the wall under whose surface the sample lies. heat: of the walls.
-WallHeat heat_of(const WallSample& sample, std::span<const SolidWall> walls, std::span<const WallHeat> heat,
-                 double spacing) {
-  const Vec3 surface = sample.position + kWallDepth * spacing * sample.normal;
-  double nearest = std::numeric_limits<double>::infinity();
-  WallHeat result;
-  for (std::size_t w = 0; w < walls.size(); ++w) {
-    const double distance = std::abs(nearest_of_walls(walls.subspan(w, 1), surface).distance);
-    if (distance < nearest) result = heat[w];
-    nearest = std::min(distance, nearest);
-  }
-  return result;
-}
-
-/// One body for each motion. heat: of the walls, as far as it goes.
-std::vector<WallBody> wall_bodies(std::span<const SolidWall> walls, std::span<const WallHeat> heat,
-                                  double spacing) {
-  std::vector<WallBody> bodies;
-  std::vector<char> done(walls.size(), 0);
-  for (std::size_t first = 0; first < walls.size(); ++first) {
-    if (done[first]) continue;
-    const BodyMotion& motion = walls[first].motion();
-    std::vector<SolidWall> group;
-    std::vector<WallHeat> rules;
-    for (std::size_t w = first; w < walls.size(); ++w)
-      if (walls[w].motion() == motion) {
-        group.push_back(walls[w]);
-        rules.push_back(w < heat.size() ? heat[w] : WallHeat());
-        done[w] = 1;
-      }
-    bodies.push_back({sample_walls(group, spacing), motion});
-    if (std::ranges::all_of(rules, [](const WallHeat& rule) { return rule == WallHeat(); })) continue;
-    WallBody& body = bodies.back();
-    body.heat.resize(body.samples.size());
-    parallel_for(body.samples.size(),
-                 [&](std::size_t b) { body.heat[b] = heat_of(body.samples[b], group, rules, spacing); });
-  }
-  return bodies;
-}
-
 }  // namespace
 
 struct FluidSolver::State {
-  State(const FluidOptions& o, Walls w)
+  State(const FluidOptions& o, Walls w, RigidBodies b, BodyCollisions c)
       : options(o),
         search(static_cast<float>(o.spacing)),
         walls(std::move(w)),
+        bodies(std::move(b)),
+        collisions(std::move(c)),
         viscosity(o),
         pressure(o),
         viscous_pressure(o),
@@ -172,6 +136,10 @@ struct FluidSolver::State {
   void emit(double until);
   void find_neighbours();
   void sum_walls();
+  void place_bodies();
+  /// What takes part in pressure and viscosity, if anything.
+  RigidBodies* moved_bodies() { return bodies.none() ? nullptr : &bodies; }
+  Coupling coupling() { return {moved_bodies(), &wall_sums}; }
   int move_apart(double tolerance);
   void settle();
   int relieve_squeezed();
@@ -188,6 +156,8 @@ struct FluidSolver::State {
   FluidOptions options;
   NeighbourSearch search;
   Walls walls;
+  RigidBodies bodies;
+  BodyCollisions collisions;
   ViscositySolver viscosity;
   PressureSolver pressure;
   ViscousPressure viscous_pressure;
@@ -208,19 +178,23 @@ struct FluidSolver::State {
 FluidSolver::FluidSolver(const FluidOptions& options, std::span<const Vec3> position,
                          std::span<const Vec3> velocity, std::span<const SolidWall> walls,
                          std::span<const std::uint8_t> fluid, std::span<const int> source,
-                         std::span<const double> temperature) {
+                         std::span<const double> temperature, std::span<const RigidBody> bodies) {
   check_options(options);
-  check_start(position, velocity, fluid, options.fluids(), source, walls);
+  check_start(position, velocity, fluid, options.fluids(), source, all_solids(walls, bodies));
   check_temperatures(temperature, position.size(), options);
   const std::vector<WallHeat> rules = options.heat ? options.heat->walls : std::vector<WallHeat>();
+  RigidBodies rigid(bodies, options.density, options.spacing);
+  BodyCollisions collisions(rigid, walls, options.spacing);
   state_ = std::make_unique<State>(
-      options, Walls(wall_bodies(walls, rules, options.spacing), static_cast<float>(options.spacing)));
+      options, Walls(wall_bodies(walls, rules, bodies, options.spacing), static_cast<float>(options.spacing)),
+      std::move(rigid), std::move(collisions));
   state_->particles = particles_at_start(position, velocity, fluid, source);
   if (options.heat) state_->particles.temperature.assign(position.size(), options.heat->temperature);
   std::ranges::copy(temperature, state_->particles.temperature.begin());
   state_->emit(0);
   if (size() == 0) throw InvalidInput("fluid: there are no particles at the start");
   state_->fastest = fastest_speed(state_->particles);
+  state_->place_bodies();
   state_->find_neighbours();
   state_->sum_walls();
   state_->settle();
@@ -243,19 +217,22 @@ FluidStep FluidSolver::step(double time_left) {
   done.heat_iterations = heat.iterations;
   done.heat_from_walls = heat.from_walls;
   done.heat_from_air = heat.from_air;
-  accelerate(s.particles, padded(s.gravity.mean(s.time, s.time + done.time_step)), dt);
+  const Vec3 gravity = s.gravity.mean(s.time, s.time + done.time_step);
+  accelerate(s.particles, padded(gravity), dt);
+  s.bodies.accelerate(done.time_step * gravity);
   s.tension.apply(s.particles, s.neighbours, dt);
-  s.pressure.apply_last(s.particles, s.neighbours, dt);
+  s.pressure.apply_last(s.particles, s.neighbours, dt, s.coupling());
   const bool thick = s.viscous_pressure.needed();
   if (thick) s.viscous_pressure.spread(s.particles, s.neighbours, dt);
   done.seconds.forces = watch.lap();
-  const ViscositySolve viscosity = s.viscosity.solve(s.particles, s.neighbours, s.wall_sums, dt, s.time);
+  const ViscositySolve viscosity =
+      s.viscosity.solve(s.particles, s.neighbours, s.wall_sums, dt, s.time, s.moved_bodies());
   done.viscosity_iterations = viscosity.iterations;
   done.viscosity_error = viscosity.error;
   done.seconds.viscosity = watch.lap();
   const PressureSolve density =
       s.pressure.correct_density(s.particles, s.neighbours, s.wall_sums, dt,
-                                 thick ? s.particles.least_pressure : std::span<const float>());
+                                 thick ? s.particles.least_pressure : std::span<const float>(), s.coupling());
   if (thick) {
     s.viscous_pressure.measure(s.particles, s.neighbours, s.wall_sums);
     s.viscous_pressure.correct(s.particles);
@@ -269,14 +246,18 @@ FluidStep FluidSolver::step(double time_left) {
   move(s.particles, dt);
   s.outflows.take(s.particles);
   s.emit(s.time + done.time_step);
+  if (!s.bodies.none()) s.collisions.move(s.bodies, s.time, done.time_step);
   s.walls.move_to(s.time + done.time_step);
+  s.place_bodies();
   s.find_neighbours();
   done.seconds.neighbours = watch.lap();
   s.sum_walls();
   done.seconds.walls = watch.lap();
   done.density_iterations += s.relieve_squeezed();
   done.seconds.density += watch.lap();
-  const PressureSolve divergence = s.pressure.correct_divergence(s.particles, s.neighbours, s.wall_sums, dt);
+  const PressureSolve divergence =
+      s.pressure.correct_divergence(s.particles, s.neighbours, s.wall_sums, dt, s.coupling());
+  s.place_bodies();
   done.divergence_iterations = divergence.iterations;
   done.seconds.divergence = watch.lap();
   s.check_finite();
@@ -301,6 +282,15 @@ void FluidSolver::State::find_neighbours() {
 
 void FluidSolver::State::sum_walls() {
   walls.add_to(particles, wall_sums);
+  bodies.find_contacts(particles, walls, wall_sums);
+}
+
+/// Tells the walls where the bodies are.
+void FluidSolver::State::place_bodies() {
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const BodyState state = bodies.state(b);
+    walls.place(b, state.pose, state.velocity);
+  }
 }
 
 // Returns the iterations it took.
@@ -413,9 +403,10 @@ void FluidSolver::State::measure(FluidStep& done) {
 
 template <class Archive>
 void FluidSolver::State::serialize(Archive& archive) {
-  archive(time, steps, fastest, particles, emitters);
+  archive(time, steps, fastest, particles, emitters, bodies);
   if constexpr (Archive::is_loading::value) {
     walls.move_to(time);
+    place_bodies();
     find_neighbours();
     sum_walls();
   }
@@ -431,7 +422,7 @@ template void FluidSolver::serialize(StateReader&);
 SolverMemory FluidSolver::memory() const {
   const State& s = *state_;
   return {s.particles.bytes() + s.search.bytes() + s.neighbours.bytes() + s.wall_sums.bytes() +
-              s.viscosity.bytes() + s.heat.bytes(),
+              s.viscosity.bytes() + s.heat.bytes() + s.bodies.bytes(),
           s.walls.bytes(), s.walls.size()};
 }
 
@@ -447,6 +438,12 @@ std::size_t FluidSolver::size() const {
 
 std::vector<std::size_t> FluidSolver::taken() const {
   return state_->outflows.taken(state_->particles);
+}
+
+std::vector<BodyState> FluidSolver::bodies() const {
+  std::vector<BodyState> result;
+  for (std::size_t b = 0; b < state_->bodies.size(); ++b) result.push_back(state_->bodies.state(b));
+  return result;
 }
 
 Particles FluidSolver::particles() const {

@@ -10,6 +10,7 @@
 #include "core/solid_wall.h"
 #include "core/types.h"
 #include "solver/options.h"
+#include "solver/rigid_body.h"
 
 namespace kappaflow {
 
@@ -47,7 +48,7 @@ struct SolverMemory {
   std::size_t wall_particles = 0;
 };
 
-/// A viscous liquid between rigid walls.
+/// A viscous liquid between rigid walls, and rigid bodies in it.
 class FluidSolver {
  public:
   /// position, velocity: one entry a particle; ids are 0, 1, ... in this order, and go on in the order in
@@ -55,11 +56,13 @@ class FluidSolver {
   /// are solids of their own: where they meet liquid they should not overlap. Particles that start compressed
   /// are moved apart. fluid: which of the fluids each particle is of; empty: all of fluid 0. source: numbers
   /// of the caller's that stay with the particles; empty: all 0. temperature: absolute, where there is heat
-  /// [K]; empty: that of HeatOptions. Throws InvalidInput for options out of range, particles inside a wall,
-  /// or when there is no particle at t = 0.
+  /// [K]; empty: that of HeatOptions. bodies: rigid ones that liquid moves; a body may touch walls and other
+  /// bodies, and should not begin in them. Throws InvalidInput for options out of range, particles inside a
+  /// wall or a body, or when there is no particle at t = 0.
   FluidSolver(const FluidOptions& options, std::span<const Vec3> position, std::span<const Vec3> velocity,
               std::span<const SolidWall> walls, std::span<const std::uint8_t> fluid = {},
-              std::span<const int> source = {}, std::span<const double> temperature = {});
+              std::span<const int> source = {}, std::span<const double> temperature = {},
+              std::span<const RigidBody> bodies = {});
   ~FluidSolver();
   FluidSolver(FluidSolver&&) noexcept;
   FluidSolver& operator=(FluidSolver&&) noexcept;
@@ -76,7 +79,8 @@ class FluidSolver {
   std::size_t size() const;   ///< particles; changes where there are emitters or outflows
   /// Particles that each outflow region has taken away since t = 0.
   std::vector<std::size_t> taken() const;
-  Particles particles() const;  ///< now, sorted by id
+  std::vector<BodyState> bodies() const;  ///< now, in the order given
+  Particles particles() const;            ///< now, sorted by id
   SolverMemory memory() const;
   std::vector<float> densities() const;      ///< by id [kg/m3]
   std::vector<float> pressures() const;      ///< by id [Pa]

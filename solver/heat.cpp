@@ -64,13 +64,21 @@ inline void HeatSolver::for_pairs(std::size_t i, const FluidParticles& particles
   }
 }
 
-/// Of what conducts between the particle and a wall of given temperature [W/(m3 K)].
-double HeatSolver::wall_conductance(std::size_t i, const FluidParticles& particles,
-                                    const WallSums& walls) const {
-  if (walls.heat.empty() || !walls.touches(i)) return 0;
-  const std::uint32_t contact = walls.contact[i];
+/// Of what conducts between the particle and a wall of given temperature that it touches [W/(m3 K)].
+double HeatSolver::contact_conductance(std::size_t i, std::size_t contact, const FluidParticles& particles,
+                                       const WallSums& walls) const {
   return conductivity_[particles.fluid[i]] *
          static_cast<double>(walls.friction[contact][3] * walls.heat[contact].held);
+}
+
+/// The same of all walls.
+double HeatSolver::wall_conductance(std::size_t i, const FluidParticles& particles,
+                                    const WallSums& walls) const {
+  if (walls.heat.empty()) return 0;
+  double sum = 0;
+  for (std::uint32_t k = walls.first[i]; k < walls.first[i + 1]; ++k)
+    sum += contact_conductance(i, k, particles, walls);
+  return sum;
 }
 
 /// Between the particle and the air, linear about its temperature [W/(m3 K)].
@@ -85,12 +93,15 @@ double HeatSolver::air_conductance(std::size_t i, const FluidParticles& particle
 /// the volume, 1 / spacing, where liquid rests.
 double HeatSolver::from_walls(std::size_t i, const FluidParticles& particles, const WallSums& walls,
                               double t) const {
-  if (walls.heat.empty() || !walls.touches(i)) return 0;
-  const std::uint32_t contact = walls.contact[i];
-  const WallHeatSum& heat = walls.heat[contact];
-  const double area = kContactDistance * static_cast<double>(spacing_ * walls.friction[contact][3]);
-  return area * static_cast<double>(heat.flux) +
-         wall_conductance(i, particles, walls) * (static_cast<double>(heat.temperature) - t);
+  if (walls.heat.empty()) return 0;
+  double sum = 0;
+  for (std::uint32_t k = walls.first[i]; k < walls.first[i + 1]; ++k) {
+    const WallHeatSum& heat = walls.heat[k];
+    const double area = kContactDistance * static_cast<double>(spacing_ * walls.friction[k][3]);
+    sum += area * static_cast<double>(heat.flux) +
+           contact_conductance(i, k, particles, walls) * (static_cast<double>(heat.temperature) - t);
+  }
+  return sum;
 }
 
 void HeatSolver::set_up(const FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,

@@ -63,6 +63,8 @@ class HeatSolver {
   template <class Visit>
   void for_pairs(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists,
                  const Visit& visit) const;
+  double contact_conductance(std::size_t i, std::size_t contact, const FluidParticles& particles,
+                             const WallSums& walls) const;
   double wall_conductance(std::size_t i, const FluidParticles& particles, const WallSums& walls) const;
   double air_conductance(std::size_t i, const FluidParticles& particles) const;
   double from_walls(std::size_t i, const FluidParticles& particles, const WallSums& walls, double t) const;

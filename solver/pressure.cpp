@@ -34,21 +34,24 @@ std::vector<Vec4f>& iterates(FluidParticles& particles) {
   return particles.scratch[1];
 }
 
-void accelerate_by_pressure(FluidParticles& particles, const NeighbourLists& lists) {
+void accelerate_by_pressure(FluidParticles& particles, const NeighbourLists& lists, const Coupling& bodies) {
   auto& acceleration = accelerations(particles);
   parallel_for(particles.size(),
                [&](std::size_t i) { acceleration[i] = pressure_acceleration(i, particles, lists); });
+  bodies.find_push(particles);
 }
 
 /// Multiplies the pressure by what minimises the problem along it, where the whole of it does the work that
 /// its particles need: kappa^T source = dt^2 |a|^2. Sweeps reach one neighbour further each and take many to
 /// change the pressure of a whole column; this needs none. Returns the factor.
-float fit_scale(FluidParticles& particles, float square_step) {
+float fit_scale(FluidParticles& particles, float square_step, const Coupling& bodies) {
   auto& acceleration = accelerations(particles);
   const auto& source = sources(particles);
   const std::size_t n = particles.size();
-  const double square = parallel_sum<double>(
-      n, 0, [&](std::size_t i) { return static_cast<double>(acceleration[i].squaredNorm()); });
+  const double square =
+      parallel_sum<double>(
+          n, 0, [&](std::size_t i) { return static_cast<double>(acceleration[i].squaredNorm()); }) +
+      bodies.push_square();
   if (!(square > 0)) return 1;
   const double needed = parallel_sum<double>(n, 0, [&](std::size_t i) {
     return static_cast<double>(particles.position[i][3]) * static_cast<double>(source[i]);
@@ -58,24 +61,27 @@ float fit_scale(FluidParticles& particles, float square_step) {
     particles.position[i][3] *= scale;
     acceleration[i] *= scale;
   });
+  bodies.scale_push(scale);
   return scale;
 }
 
 /// Takes over the pressure that a solve has found.
-void accept(FluidParticles& particles, float time_step, std::vector<float>& kappa) {
+void accept(FluidParticles& particles, float time_step, std::vector<float>& kappa, const Coupling& bodies) {
   const auto& acceleration = accelerations(particles);
   parallel_for(particles.size(), [&](std::size_t i) {
     particles.velocity[i] += time_step * acceleration[i];
     kappa[i] = particles.position[i][3];
   });
+  bodies.apply_push(time_step);
 }
 
 /// Lets the pair loops see kappa and computes its accelerations.
-void start_from(const std::vector<float>& kappa, FluidParticles& particles, const NeighbourLists& lists) {
+void start_from(const std::vector<float>& kappa, FluidParticles& particles, const NeighbourLists& lists,
+                const Coupling& bodies) {
   const std::size_t n = particles.size();
   accelerations(particles).resize(n);
   parallel_for(n, [&](std::size_t i) { particles.position[i][3] = kappa[i]; });
-  accelerate_by_pressure(particles, lists);
+  accelerate_by_pressure(particles, lists, bodies);
 }
 
 /// D u and D v of one particle.
@@ -100,7 +106,7 @@ std::array<float, 2> both_rates(std::size_t i, const FluidParticles& particles, 
 /// the first rates, D a, which come of the same loop over pairs.
 template <class Base>
 void find_sources(FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,
-                  float time_step, const Base& base) {
+                  float time_step, const Coupling& bodies, const Base& base) {
   auto& source = sources(particles);
   auto& iterate = iterates(particles);
   source.resize(particles.size());
@@ -108,7 +114,7 @@ void find_sources(FluidParticles& particles, const NeighbourLists& lists, const 
   parallel_for(particles.size(), [&](std::size_t i) {
     const auto [rate, first] = both_rates(i, particles, lists, particles.velocity, accelerations(particles));
     source[i] = base(i, rate, first) + time_step * (rate + walls.density_rate(i));
-    iterate[i][kFirstRate] = first;
+    iterate[i][kFirstRate] = first + bodies.push_rate(i, particles);
   });
 }
 
@@ -159,39 +165,46 @@ Vec4f pressure_acceleration(std::size_t i, const FluidParticles& particles, cons
   return -(xi[3] * particles.gradient_sum[i] + sums(sum_x, sum_y, sum_z));
 }
 
-void PressureSolver::apply_last(FluidParticles& particles, const NeighbourLists& lists, float time_step) {
-  start_from(particles.density_pressure, particles, lists);
+void PressureSolver::apply_last(FluidParticles& particles, const NeighbourLists& lists, float time_step,
+                                const Coupling& bodies) {
+  start_from(particles.density_pressure, particles, lists, bodies);
   const auto& acceleration = accelerations(particles);
   parallel_for(particles.size(),
                [&](std::size_t i) { particles.velocity[i] += time_step * acceleration[i]; });
+  bodies.apply_push(time_step);
 }
 
 PressureSolve PressureSolver::correct_density(FluidParticles& particles, const NeighbourLists& lists,
                                               const WallSums& walls, float time_step,
-                                              std::span<const float> least) {
+                                              std::span<const float> least, const Coupling& bodies) {
   const std::size_t n = particles.size();
-  start_from(particles.density_pressure, particles, lists);
+  start_from(particles.density_pressure, particles, lists, bodies);
   const auto& acceleration = accelerations(particles);
   parallel_for(n, [&](std::size_t i) { particles.velocity[i] -= time_step * acceleration[i]; });
+  bodies.apply_push(-time_step);
+  bodies.drive(particles);
   auto& rates = compression_rates(particles);
   if (!least.empty()) rates.resize(n);
-  find_sources(particles, lists, walls, time_step, [&](std::size_t i, float rate, float of_pressure) {
+  find_sources(particles, lists, walls, time_step, bodies, [&](std::size_t i, float rate, float of_pressure) {
     if (!least.empty()) rates[i] = {rate + time_step * of_pressure, 0, 0, 0};
     return particles.density[i] - 1;
   });
-  const PressureSolve done = solve(particles, lists, time_step, density_tolerance_, kMinIterations, least);
-  accept(particles, time_step, particles.density_pressure);
+  const PressureSolve done =
+      solve(particles, lists, time_step, density_tolerance_, kMinIterations, least, bodies);
+  accept(particles, time_step, particles.density_pressure, bodies);
   return done;
 }
 
 PressureSolve PressureSolver::correct_divergence(FluidParticles& particles, const NeighbourLists& lists,
-                                                 const WallSums& walls, float time_step) {
-  start_from(particles.divergence_pressure, particles, lists);
-  find_sources(particles, lists, walls, time_step,
+                                                 const WallSums& walls, float time_step,
+                                                 const Coupling& bodies) {
+  start_from(particles.divergence_pressure, particles, lists, bodies);
+  bodies.drive(particles);
+  find_sources(particles, lists, walls, time_step, bodies,
                [&](std::size_t i, float, float) { return std::min(particles.density[i] - 1, 0.0f); });
   const PressureSolve done =
-      solve(particles, lists, time_step, divergence_tolerance_, kMinDivergenceIterations);
-  accept(particles, time_step, particles.divergence_pressure);
+      solve(particles, lists, time_step, divergence_tolerance_, kMinDivergenceIterations, {}, bodies);
+  accept(particles, time_step, particles.divergence_pressure, bodies);
   return done;
 }
 
@@ -207,23 +220,26 @@ PressureSolve PressureSolver::move_apart(FluidParticles& particles, const Neighb
     particles.position[i][3] = 0;
     source[i] = particles.density[i] - 1;
   });
-  const PressureSolve done = solve(particles, lists, 1, tolerance, kMinIterations);
+  const PressureSolve done = solve(particles, lists, 1, tolerance, kMinIterations, {}, {});
   parallel_for(n, [&](std::size_t i) { particles.position[i] += acceleration[i]; });
   return done;
 }
 
 PressureSolver::Progress PressureSolver::iterate(FluidParticles& particles, const NeighbourLists& lists,
                                                  float square_step, float relaxation,
-                                                 std::span<const float> least, bool first) {
+                                                 std::span<const float> least, const Coupling& bodies,
+                                                 bool first) {
   const auto& acceleration = accelerations(particles);
   const auto& source = sources(particles);
   auto& iterate = iterates(particles);
   return parallel_sum(particles.size(), Progress(), [&](std::size_t i) {
-    const float diagonal =
-        square_step * (particles.gradient_sum[i].squaredNorm() + particles.gradient_square_sum[i]);
+    const float diagonal = square_step * (particles.gradient_sum[i].squaredNorm() +
+                                          particles.gradient_square_sum[i] + bodies.push_diagonal(i));
     const float kappa = particles.position[i][3], bound = bound_of(least, i);
     const Vec4f last = iterate[i];
-    const float rate = first ? last[kFirstRate] : density_rate(i, particles, lists, acceleration);
+    const float rate = first
+                           ? last[kFirstRate]
+                           : density_rate(i, particles, lists, acceleration) + bodies.push_rate(i, particles);
     const float violation = source[i] + square_step * rate;
     const float jacobi = violation / std::max(diagonal, square_step * kLeastDiagonal);
     const float proposed =
@@ -237,23 +253,25 @@ PressureSolver::Progress PressureSolver::iterate(FluidParticles& particles, cons
 }
 
 PressureSolve PressureSolver::solve(FluidParticles& particles, const NeighbourLists& lists, float time_step,
-                                    double tolerance, int min_iterations, std::span<const float> least) {
+                                    double tolerance, int min_iterations, std::span<const float> least,
+                                    const Coupling& bodies) {
   const std::size_t n = particles.size();
   if (n == 0) return {};  // all of it has flowed out
   const float square_step = time_step * time_step;
   auto& iterate_of = iterates(particles);
-  const float scale = least.empty() ? fit_scale(particles, square_step) : 1;
+  const float scale = least.empty() ? fit_scale(particles, square_step, bodies) : 1;
   parallel_for(n, [&](std::size_t i) {
     const float kappa = particles.position[i][3];
     iterate_of[i] = {scale * iterate_of[i][kFirstRate], kappa, kappa, 0};
   });
   float momentum = 1, curvature = kFirstCurvature;
   for (int iterations = 0;; ++iterations) {
-    const Progress progress = iterate(particles, lists, square_step, 1 / curvature, least, iterations == 0);
+    const Progress progress =
+        iterate(particles, lists, square_step, 1 / curvature, least, bodies, iterations == 0);
     const double mean_error = progress.error / static_cast<double>(n);
     const bool converged = mean_error <= tolerance && progress.max_error <= kMaxCompression;
     if ((converged && iterations >= min_iterations) || iterations == max_iterations_) {
-      if (least.empty()) fit_scale(particles, square_step);
+      if (least.empty()) fit_scale(particles, square_step, bodies);
       return {iterations, mean_error, progress.max_error};
     }
     const bool too_long = progress.curved > curvature * progress.moved;
@@ -268,7 +286,7 @@ PressureSolve PressureSolver::solve(FluidParticles& particles, const NeighbourLi
           std::max(bound_of(least, i), it[kProposed] + extrapolation * (it[kProposed] - it[kAccepted]));
       it[kAccepted] = it[kProposed];
     });
-    accelerate_by_pressure(particles, lists);
+    accelerate_by_pressure(particles, lists, bodies);
   }
 }
 

@@ -9,8 +9,35 @@
 #include "solver/fluid_particles.h"
 #include "solver/neighbours.h"
 #include "solver/options.h"
+#include "solver/rigid_bodies.h"
 
 namespace kappaflow {
+
+/// The rigid bodies that pressure pushes, with their contacts; or none.
+struct Coupling {
+  RigidBodies* bodies = nullptr;
+  WallSums* walls = nullptr;
+
+  void drive(const FluidParticles& particles) const {
+    if (bodies != nullptr) bodies->drive(particles, *walls);
+  }
+  void find_push(const FluidParticles& particles) const {
+    if (bodies != nullptr) bodies->find_push(particles, *walls);
+  }
+  void apply_push(float time) const {
+    if (bodies != nullptr) bodies->apply_push(static_cast<double>(time));
+  }
+  void scale_push(float factor) const {
+    if (bodies != nullptr) bodies->scale_push(static_cast<double>(factor));
+  }
+  double push_square() const { return bodies != nullptr ? bodies->push_square() : 0; }
+  float push_rate(std::size_t i, const FluidParticles& particles) const {
+    return bodies != nullptr ? bodies->push_rate(i, particles, *walls) : 0;
+  }
+  float push_diagonal(std::size_t i) const {
+    return bodies != nullptr ? bodies->push_diagonal(i, *walls) : 0;
+  }
+};
 
 /// How a pressure solve ended.
 struct PressureSolve {
@@ -35,9 +62,9 @@ struct PressureSolve {
 /// accelerated gradient schemes", 2015); their length follows from the curvature met on the way. Before the
 /// first and after the last the pressure as a whole is multiplied by what fits it best: the slowest error,
 /// too much or too little everywhere, is gone at once (not where tension is allowed, which has a bound of its
-/// own). The stopping error counts pressures that are too high
-/// as well as too low: the former, left over from the step before, would lift the liquid. Pair forces are
-/// antisymmetric: momentum is conserved to rounding.
+/// own). Where there are rigid bodies, D and a have theirs too (RigidBodies). The stopping error counts
+/// pressures that are too high as well as too low: the former, left over from the step before, would lift the
+/// liquid. Pair forces are antisymmetric: momentum is conserved to rounding.
 class PressureSolver {
  public:
   explicit PressureSolver(const FluidOptions& options)
@@ -49,32 +76,35 @@ class PressureSolver {
   /// rest would see gravity without its support and never come to rest (Goda, "A multistep technique with
   /// implicit difference schemes for calculating two- or three-dimensional cavity flows", 1979).
   /// correct_density() replaces it.
-  void apply_last(FluidParticles& particles, const NeighbourLists& lists, float time_step);
+  void apply_last(FluidParticles& particles, const NeighbourLists& lists, float time_step,
+                  const Coupling& bodies = {});
 
   /// Constant-density solve: rho/rho0 - 1 + dt D(v + dt a) <= 0, where v are the velocities without the
   /// pressure that apply_last() added. Replaces particles.velocity and density_pressure, which starts the
   /// iteration. time_step [s]. least: FluidParticles::least_pressure, which takes the place of the 0 that
   /// bounds kappa, or empty; if there are any, it leaves compression_rates().
   PressureSolve correct_density(FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,
-                                float time_step, std::span<const float> least = {});
+                                float time_step, std::span<const float> least = {},
+                                const Coupling& bodies = {});
 
   /// Divergence-free solve: dt D(v + dt a) <= max(0, 1 - rho/rho0), so loose particles at a surface may come
   /// together until they are liquid. Likewise with divergence_pressure.
   PressureSolve correct_divergence(FluidParticles& particles, const NeighbourLists& lists,
-                                   const WallSums& walls, float time_step);
+                                   const WallSums& walls, float time_step, const Coupling& bodies = {});
 
   /// Moves particles by the least that leaves none compressed, to first order: by a with dt = 1, for
   /// rho/rho0 - 1 + D a <= 0. Velocities and pressures stay. Ends when at most `tolerance` of compression is
-  /// left in the mean and 1 percent at any particle.
+  /// left in the mean and 1 percent at any particle. Rigid bodies stand still.
   PressureSolve move_apart(FluidParticles& particles, const NeighbourLists& lists, double tolerance);
 
  private:
   struct Progress;
 
   PressureSolve solve(FluidParticles& particles, const NeighbourLists& lists, float time_step,
-                      double tolerance, int min_iterations, std::span<const float> least = {});
+                      double tolerance, int min_iterations, std::span<const float> least,
+                      const Coupling& bodies);
   Progress iterate(FluidParticles& particles, const NeighbourLists& lists, float square_step,
-                   float relaxation, std::span<const float> least, bool first);
+                   float relaxation, std::span<const float> least, const Coupling& bodies, bool first);
 
   double density_tolerance_, divergence_tolerance_;
   int max_iterations_;

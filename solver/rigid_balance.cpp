@@ -10,21 +10,13 @@
 namespace kappaflow {
 namespace {
 
-using Vector6 = Eigen::Matrix<double, 6, 1>;
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using rigid::Matrix6;
+using rigid::Vector6;
+using rigid::velocities_at;
 
 // Of a particle [spacing^2], so that one alone, or a line of them, has an inverse; too small to matter.
 constexpr double kLeastInertia = 1e-9;
 constexpr std::size_t kBalanceGrain = 4;  // cells that a task works on
-
-/// B of a particle.
-Eigen::Matrix<double, 3, 6> rigid_velocities(const Vec3& arm) {
-  Eigen::Matrix<double, 3, 6> result;
-  result << 1, 0, 0, 0, arm.z(), -arm.y(),  //
-      0, 1, 0, -arm.z(), 0, arm.x(),        //
-      0, 0, 1, arm.y(), -arm.x(), 0;
-  return result;
-}
 
 Vec3 in_double(const Vec4f& v) {
   return v.head<3>().cast<double>();
@@ -58,7 +50,7 @@ struct Balance {
   }
   /// Adds a resistance m (v - v_0) of which `left` is what is left of it.
   void add_resistance(const Mat3& m, const Vec3& left, const Vec3& arm) {
-    const auto b = rigid_velocities(arm);
+    const auto b = velocities_at(arm);
     resistance += b.transpose() * m * b;
     missing += b.transpose() * left;
   }
@@ -68,8 +60,8 @@ struct Balance {
     Matrix6 matrix = resistance;
     const Mat3 turning = second.trace() * Mat3::Identity() - second;
     matrix.topLeftCorner<3, 3>() += count * Mat3::Identity();
-    matrix.topRightCorner<3, 3>() += rigid_velocities(moment).rightCols<3>();
-    matrix.bottomLeftCorner<3, 3>() += rigid_velocities(moment).rightCols<3>().transpose();
+    matrix.topRightCorner<3, 3>() += velocities_at(moment).rightCols<3>();
+    matrix.bottomLeftCorner<3, 3>() += velocities_at(moment).rightCols<3>().transpose();
     matrix.bottomRightCorner<3, 3>() += turning + count * inertia * Mat3::Identity();
     return matrix.ldlt().solve(missing);
   }
@@ -128,12 +120,43 @@ void for_components(std::span<const std::uint32_t> order, std::span<const std::u
 
 }  // namespace
 
+/// Liquid that touches the same body becomes one component.
+void MomentumBalance::connect_by_bodies(const RigidMultigrid& multigrid, const ViscousForces& forces,
+                                        const FluidParticles& particles, const BodyDrag& bodies) {
+  component_of_body_.assign(bodies.bodies(), RigidLevel::kNone);
+  if (bodies.bodies() == 0) return;
+  cell_.resize(particles.size());
+  multigrid.for_cells([&](std::size_t cell) {
+    multigrid.for_particles(cell, [&](std::size_t i) { cell_[i] = static_cast<std::uint32_t>(cell); });
+  });
+  // What a component has become, by its first cell.
+  std::vector<std::uint32_t> now(component_.size());
+  std::iota(now.begin(), now.end(), 0u);
+  const auto root = [&](std::uint32_t c) {
+    while (now[c] != c) c = now[c];
+    return c;
+  };
+  for (std::size_t b = 0; b < bodies.bodies(); ++b)
+    for (const BodyContact& contact : bodies.contacts(b)) {
+      if (!forces.act_on(contact.particle, particles)) continue;
+      const std::uint32_t other = root(component_[cell_[contact.particle]]);
+      std::uint32_t& own = component_of_body_[b];
+      own = own == RigidLevel::kNone ? other : root(own);
+      now[std::max(own, other)] = own = std::min(own, other);
+    }
+  for (std::uint32_t& component : component_) component = root(component);
+  for (std::uint32_t& component : component_of_body_)
+    if (component != RigidLevel::kNone) component = root(component);
+}
+
 void MomentumBalance::restore(const RigidMultigrid& multigrid, const ViscousForces& forces,
                               const FluidParticles& particles, const NeighbourLists& lists,
-                              const WallSums& walls, float time_step, std::vector<Vec4f>& v) {
+                              const WallSums& walls, const BodyDrag& bodies, float time_step,
+                              std::vector<Vec4f>& v) {
   const ParticleBalance particle(forces, particles, lists, walls, time_step, v);
   const double inertia = kLeastInertia * multigrid.spacing() * multigrid.spacing();
   multigrid.find_components(component_);
+  connect_by_bodies(multigrid, forces, particles, bodies);
   order_.resize(component_.size());
   std::iota(order_.begin(), order_.end(), 0u);
   std::ranges::sort(order_, {}, [this](std::uint32_t cell) { return std::pair(component_[cell], cell); });
@@ -148,7 +171,11 @@ void MomentumBalance::restore(const RigidMultigrid& multigrid, const ViscousForc
       });
       return sum;
     };
-    const Vector6 q = parallel_sum(cells.size(), Balance(), balance_of, kBalanceGrain).solve(inertia);
+    Balance balance = parallel_sum(cells.size(), Balance(), balance_of, kBalanceGrain);
+    for (std::size_t b = 0; b < bodies.bodies(); ++b)
+      if (component_of_body_[b] == component_[cells.front()])
+        balance.resistance -= bodies.yielding(b, centre);
+    const Vector6 q = balance.solve(inertia);
     parallel_for(
         cells.size(),
         [&](std::size_t k) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/bytes.h"
+#include "solver/body_drag.h"
 #include "solver/rigid_multigrid.h"
 
 namespace kappaflow {
@@ -13,19 +14,27 @@ namespace kappaflow {
 /// Adds to v, component by component of connected liquid, the rigid motion q that makes linear and angular
 /// momentum right: with B from rigid motions about a point to velocities, sums over a component's particles,
 ///   sum B^T (v + B q - v*) = dt sum B^T (f - L (v + B q)),
-/// where the forces between two of them cancel, and what walls and particles that are led do is left. Keeps
-/// its buffers, so that a step allocates nothing once warm.
+/// where the forces between two of them cancel, and what walls and particles that are led do is left. Liquid
+/// that touches a rigid body is connected by it; f is then that of the body's response to q. Keeps its
+/// buffers, so that a step allocates nothing once warm.
 class MomentumBalance {
  public:
   /// v*: particles.velocity. Precondition: multigrid.build() for the same arguments.
   void restore(const RigidMultigrid& multigrid, const ViscousForces& forces, const FluidParticles& particles,
-               const NeighbourLists& lists, const WallSums& walls, float time_step, std::vector<Vec4f>& v);
+               const NeighbourLists& lists, const WallSums& walls, const BodyDrag& bodies, float time_step,
+               std::vector<Vec4f>& v);
 
-  std::size_t bytes() const { return bytes_of(component_, order_); }
+  std::size_t bytes() const { return bytes_of(component_, order_, cell_, component_of_body_); }
 
  private:
+  void connect_by_bodies(const RigidMultigrid& multigrid, const ViscousForces& forces,
+                         const FluidParticles& particles, const BodyDrag& bodies);
+
   std::vector<std::uint32_t> component_;  // of each cell
   std::vector<std::uint32_t> order_;      // the cells, component by component
+  // Where there are rigid bodies:
+  std::vector<std::uint32_t> cell_;               // of each particle
+  std::vector<std::uint32_t> component_of_body_;  // kNone: it touches none
 };
 
 }  // namespace kappaflow

@@ -49,6 +49,31 @@ using RigidMatrix = RigidMatrixOf<float>;
 
 namespace rigid {
 
+using Vector6 = Eigen::Matrix<double, 6, 1>;  ///< a motion or a load: what is linear, then what is angular
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+/// From motions about a point to the velocity at the point that is `arm` away.
+inline Eigen::Matrix<double, 3, 6> velocities_at(const Vec3& arm) {
+  Eigen::Matrix<double, 3, 6> result;
+  result << 1, 0, 0, 0, arm.z(), -arm.y(),  //
+      0, 1, 0, -arm.z(), 0, arm.x(),        //
+      0, 0, 1, arm.y(), -arm.x(), 0;
+  return result;
+}
+
+/// The load of a force at the point that is `arm` away.
+inline Vector6 load_of(const Vec3& force, const Vec3& arm) {
+  Vector6 result;
+  result.head<3>() = force;
+  result.tail<3>() = arm.cross(force);
+  return result;
+}
+
+/// The velocity at the point that is `arm` away.
+inline Vec3 velocity_at(const Vector6& motion, const Vec3& arm) {
+  return motion.head<3>() + motion.tail<3>().cross(arm);
+}
+
 /// Of a symmetric matrix of six numbers and a padded vector.
 inline Vec4f product(const float* six, const Vec4f& v) {
   const Vec4f diagonal = Eigen::Map<const Vec4f>(six), zz_yz_xz_xy = Eigen::Map<const Vec4f>(six + 2);

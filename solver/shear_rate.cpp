@@ -52,14 +52,14 @@ Moments of_pairs(std::size_t i, const FluidParticles& particles, const Neighbour
   return m;
 }
 
-void add_wall(std::size_t i, const WallSums& walls, const std::vector<Vec4f>& v, float spacing, float slip,
+void add_wall(const Vec4f& v, const WallSums& walls, std::size_t contact, float spacing, float slip,
               Moments& m) {
-  const Vec4f friction = walls.friction[walls.contact[i]];
+  const Vec4f friction = walls.friction[contact];
   const Eigen::Vector3f n = friction.head<3>();
   const float distance = static_cast<float>(kContactDistance) * spacing;
   const float weight = std::min(1.0f, friction[3] * spacing * distance);  // 1 where the first layer rests
-  Eigen::Vector3f u = v[i].head<3>();
-  if (!walls.velocity.empty()) u -= walls.velocity[walls.contact[i]].head<3>();
+  Eigen::Vector3f u = v.head<3>();
+  if (!walls.velocity.empty()) u -= walls.velocity[contact].head<3>();
   const Eigen::Vector3f across = n.dot(u) * n;
   m.velocity += weight / distance * (across + slip * (u - across)) * n.transpose();
   m.position += weight * n * n.transpose();
@@ -70,7 +70,8 @@ void add_wall(std::size_t i, const WallSums& walls, const std::vector<Vec4f>& v,
 float shear_rate(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists,
                  const WallSums& walls, const std::vector<Vec4f>& v, float spacing, float slip) {
   Moments m = of_pairs(i, particles, lists, v);
-  if (walls.touches(i)) add_wall(i, walls, v, spacing, slip, m);
+  for (std::uint32_t k = walls.first[i]; k < walls.first[i + 1]; ++k)
+    add_wall(v[i], walls, k, spacing, slip, m);
   // Neighbours along one line leave two eigenvalues to kFewest: single precision could not invert that.
   const Eigen::Matrix3d position = m.position.cast<double>();
   const Eigen::Matrix3d square =

@@ -75,9 +75,10 @@ double ViscositySolver::tolerated(const Squares& squares, double speed_of_fall) 
 class ViscositySolver::ConjugateGradients {
  public:
   ConjugateGradients(const ViscositySolver& solver, RigidMultigrid& preconditioner, FluidParticles& particles,
-                     const NeighbourLists& lists, const WallSums& walls, float time_step)
+                     const NeighbourLists& lists, const WallSums& walls, BodyDrag& bodies, float time_step)
       : forces_(solver.forces_),
         cells_(preconditioner),
+        bodies_(bodies),
         particles_(particles),
         lists_(lists),
         walls_(walls),
@@ -94,6 +95,7 @@ class ViscositySolver::ConjugateGradients {
 
   /// Builds the preconditioner and finds the first residual.
   Squares begin() {
+    bodies_.set_up();
     cells_.build(forces_, particles_, lists_, walls_, time_step_, solution_, image_);
     return find_residual();
   }
@@ -120,10 +122,11 @@ class ViscositySolver::ConjugateGradients {
 
   /// q = A p; returns p . q. In the order of the lists of neighbours, most of what is read.
   double curvature() {
-    return parallel_sum(particles_.size(), 0.0, [this](std::size_t i) {
+    const double of_liquid = parallel_sum(particles_.size(), 0.0, [this](std::size_t i) {
       image_[i] = direction_[i] + time_step_ * forces_.resistance(i, particles_, lists_, walls_, direction_);
       return sum_of(direction_[i].cwiseProduct(image_[i]));
     });
+    return of_liquid + bodies_.respond_to(direction_, image_);
   }
 
   /// v += length p, r -= length q.
@@ -167,6 +170,7 @@ class ViscositySolver::ConjugateGradients {
   }
   /// r = v* - v - dt (L v - f) from q = L v.
   Squares find_residual() {
+    bodies_.respond(solution_);
     return sum(Squares(), [this](std::size_t cell) {
       cells_.for_particles(cell, [this](std::size_t i) {
         const Vec4f friction = image_[i] - forces_.wall_drive(i, particles_, walls_);
@@ -193,6 +197,7 @@ class ViscositySolver::ConjugateGradients {
 
   const ViscousForces& forces_;
   RigidMultigrid& cells_;
+  BodyDrag& bodies_;
   FluidParticles& particles_;
   const NeighbourLists& lists_;
   const WallSums& walls_;
@@ -228,24 +233,29 @@ void ViscositySolver::solve_system(ConjugateGradients& step, double speed_of_fal
   ++result.systems;
 }
 
-ViscositySolve ViscositySolver::solve(FluidParticles& particles, const NeighbourLists& lists,
-                                      const WallSums& walls, float time_step, double time) {
+ViscositySolve ViscositySolver::solve(FluidParticles& particles, const NeighbourLists& lists, WallSums& walls,
+                                      float time_step, double time, RigidBodies* bodies) {
   if (forces_.none() || particles.size() == 0) return {};
   const double dt = static_cast<double>(time_step);
   const double speed_of_fall = gravity_.mean(time, time + dt).norm() * dt;
   const auto find_viscosities = [&](bool again) {
     forces_.find_viscosities(particles, lists, walls, particles.viscous_velocity, again);
   };
+  BodyDrag drag(forces_, bodies, particles, walls, time_step);
   if (forces_.vary()) find_viscosities(false);
-  ConjugateGradients step(*this, preconditioner_, particles, lists, walls, time_step);
+  ConjugateGradients step(*this, preconditioner_, particles, lists, walls, drag, time_step);
   ViscositySolve result;
   solve_system(step, speed_of_fall, result);
   for (int before = -1; forces_.depend_on_flow() && result.iterations > before;) {
     before = result.iterations;
+    drag.respond(particles.viscous_velocity);
     find_viscosities(true);
     solve_system(step, speed_of_fall, result);
   }
-  balance_.restore(preconditioner_, forces_, particles, lists, walls, time_step, particles.viscous_velocity);
+  drag.respond(particles.viscous_velocity);
+  balance_.restore(preconditioner_, forces_, particles, lists, walls, drag, time_step,
+                   particles.viscous_velocity);
+  drag.respond(particles.viscous_velocity);
   step.keep();
   return result;
 }

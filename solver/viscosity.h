@@ -5,6 +5,7 @@
 #include <array>
 #include <vector>
 
+#include "solver/body_drag.h"
 #include "solver/boundary.h"
 #include "solver/fluid_particles.h"
 #include "solver/neighbours.h"
@@ -42,11 +43,12 @@ class ViscositySolver {
   explicit ViscositySolver(const FluidOptions& options);
 
   /// Replaces particles.velocity, v* -> v, and viscous_velocity, the last v -> this one. Does nothing where
-  /// no fluid is viscous. time_step [s]; time: at which the step begins, for the gravity of then [s].
-  ViscositySolve solve(FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,
-                       float time_step, double time = 0);
+  /// no fluid is viscous. time_step [s]; time: at which the step begins, for the gravity of then [s]. bodies:
+  /// the rigid ones that it moves, or nullptr; they are eliminated from the system (BodyDrag).
+  ViscositySolve solve(FluidParticles& particles, const NeighbourLists& lists, WallSums& walls,
+                       float time_step, double time = 0, RigidBodies* bodies = nullptr);
 
-  /// A u for one vector a particle.
+  /// A u for one vector a particle, of rigid bodies at rest.
   void apply(const FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,
              float time_step, const std::vector<Vec4f>& u, std::vector<Vec4f>& result) const;
 

@@ -83,11 +83,15 @@ void ViscousForces::find_viscosity(std::size_t i, FluidParticles& particles, con
   };
   approach(own, at_rate(shear_rate(i, particles, lists, walls, v, spacing_, slip_)));
   if (!walls.touches(i)) return;
-  Vec4f u = v[i];
-  if (!walls.velocity.empty()) u -= without_fourth(walls.velocity[walls.contact[i]]);
-  const Vec4f friction = walls.friction[walls.contact[i]], n = without_fourth(friction);
-  const float along = (u - n.dot(u) * n).norm();
-  approach(at_wall, slip_ * at_rate(slip_ * along / wall_distance(friction[3], spacing_)));
+  float largest = 0;
+  for (std::uint32_t k = walls.first[i]; k < walls.first[i + 1]; ++k) {
+    Vec4f u = v[i];
+    if (!walls.velocity.empty()) u -= without_fourth(walls.velocity[k]);
+    const Vec4f friction = walls.friction[k], n = without_fourth(friction);
+    const float along = (u - n.dot(u) * n).norm();
+    largest = std::max(largest, slip_ * along / wall_distance(friction[3], spacing_));
+  }
+  approach(at_wall, slip_ * at_rate(largest));
 }
 
 bool ViscousForces::none() const {

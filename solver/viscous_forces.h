@@ -66,8 +66,9 @@ class PairResistance {
 /// The viscous acceleration is f - L v [m/s2]:
 ///   (L v)_i = sum_j nu_ij c_ij x_ij (x_ij . v_ij) + nu_i' g_i (I - n n^T) v_i,
 ///   f_i     = nu_i' g_i (I - n n^T) v_w,
-/// with nu_ij the viscosity between two particles, nu' that at walls [m2/s] (g, n and v_w: see WallSums). L
-/// is symmetric, positive semidefinite, and zero for rigid motions of free liquid.
+/// with nu_ij the viscosity between two particles, nu' that at walls [m2/s] (g, n and v_w: see WallSums),
+/// summed over the particle's contacts. L is symmetric, positive semidefinite, and zero for rigid motions of
+/// free liquid.
 class ViscousForces {
  public:
   explicit ViscousForces(const FluidOptions& options);
@@ -108,6 +109,11 @@ class ViscousForces {
                   const Vec4f& u) const {
     if (!walls.touches(i)) return Vec4f::Zero();
     return wall_viscosity(i, particles) * walls.drag(i, u);
+  }
+  /// nu_i' g (I - n n^T) u of one of its contacts.
+  Vec4f contact_drag(std::size_t i, std::size_t contact, const FluidParticles& particles,
+                     const WallSums& walls, const Vec4f& u) const {
+    return wall_viscosity(i, particles) * walls.contact_drag(contact, u);
   }
   /// f_i.
   Vec4f wall_drive(std::size_t i, const FluidParticles& particles, const WallSums& walls) const {

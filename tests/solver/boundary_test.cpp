@@ -223,7 +223,7 @@ TEST(Walls, CoincidingParticlesGiveFiniteForces) {
   pressure.correct_divergence(liquid.particles, liquid.lists, liquid.wall_sums, 1e-3f);
   for (std::size_t i = 0; i < points.size(); ++i) {
     ASSERT_TRUE(liquid.wall_sums.touches(i));
-    EXPECT_TRUE(liquid.wall_sums.friction[liquid.wall_sums.contact[i]].allFinite()) << i;
+    EXPECT_TRUE(liquid.wall_sums.friction[liquid.wall_sums.first[i]].allFinite()) << i;
     EXPECT_TRUE(std::isfinite(liquid.particles.density[i]) && liquid.particles.gradient_sum[i].allFinite());
     EXPECT_TRUE(liquid.particles.velocity[i].allFinite()) << i;
   }
