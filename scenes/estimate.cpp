@@ -376,6 +376,7 @@ SceneEstimate estimate(const PreparedScene& prepared, int threads) {
   const Scene& scene = prepared.scene;
   double wall_area = 0;
   for (const SolidWall& wall : prepared.walls) wall_area += surface_area(wall.surface());
+  for (const RigidBody& body : prepared.bodies) wall_area += surface_area(body.solid.surface());
   const double particles = particles_at(scene.duration, scene, prepared.start);
   const double boundary = kBoundaryParticlesPerCell * wall_area / (scene.fluid.spacing * scene.fluid.spacing);
   SceneEstimate result;

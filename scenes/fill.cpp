@@ -60,7 +60,7 @@ std::vector<Vec3> checked_lattice(const FluidBlock& block, const Solid& solid, d
 }
 
 /// 1 for every point that may become a particle.
-std::vector<char> free_points(std::span<const Vec3> points, std::span<const SolidWall> walls,
+std::vector<char> free_points(std::span<const Vec3> points, std::span<const SolidWall> solids,
                               std::span<const Vec3> taken, double spacing) {
   CellGrid grid;
   const double clearance = kBlockClearance * spacing;
@@ -68,7 +68,7 @@ std::vector<char> free_points(std::span<const Vec3> points, std::span<const Soli
   std::vector<char> is_free(points.size());
   parallel_for(points.size(), [&](std::size_t i) {
     const Vec3& x = points[i];
-    bool crowded = nearest_of_walls(walls, x).distance < kWallClearance * spacing;
+    bool crowded = nearest_of_walls(solids, x).distance < kWallClearance * spacing;
     grid.ranges_near(x, clearance, [&](std::uint32_t begin, std::uint32_t end) {
       for (std::uint32_t k = begin; k < end; ++k)
         crowded = crowded || (taken[grid.order()[k]] - x).squaredNorm() < clearance * clearance;
@@ -80,9 +80,9 @@ std::vector<char> free_points(std::span<const Vec3> points, std::span<const Soli
 
 /// Appends the particles of a block; returns whether there were any.
 bool add_free_points(std::span<const Vec3> points, const FluidBlock& block, int number,
-                     const FluidOptions& fluid, std::span<const SolidWall> walls,
+                     const FluidOptions& fluid, std::span<const SolidWall> solids,
                      FluidParticlesAtStart& particles) {
-  const std::vector<char> is_free = free_points(points, walls, particles.position, fluid.spacing);
+  const std::vector<char> is_free = free_points(points, solids, particles.position, fluid.spacing);
   const std::size_t before = particles.position.size();
   for (std::size_t i = 0; i < points.size(); ++i)
     if (is_free[i]) particles.position.push_back(points[i]);
@@ -97,7 +97,7 @@ bool add_free_points(std::span<const Vec3> points, const FluidBlock& block, int 
 
 /// Throws InvalidInput where a particle in the nozzle would be in a wall or in the liquid of a block, or too
 /// far out.
-void check_nozzle(const Scene& scene, std::size_t index, std::span<const SolidWall> walls,
+void check_nozzle(const Scene& scene, std::size_t index, std::span<const SolidWall> solids,
                   std::span<const Vec3> blocks) {
   const Emitter& emitter = scene.fluid.emitters[index];
   const SourcePosition& where = scene.emitters_where[index];
@@ -109,14 +109,15 @@ void check_nozzle(const Scene& scene, std::size_t index, std::span<const SolidWa
     for (const Vec3& x : layer)
       points.push_back(pose * (emitter.position + x - behind * spacing * emitter.direction.normalized()));
   const std::vector<char> is_free =
-      free_points(points, walls, emitter.start > 0 ? std::span<const Vec3>() : blocks, spacing);
+      free_points(points, solids, emitter.start > 0 ? std::span<const Vec3>() : blocks, spacing);
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!is_free[i])
       throw InvalidInput(
           where,
-          fmt::format("the nozzle has a particle at ({:.4g}, {:.4g}, {:.4g}) m, in or too close to a wall or "
-                      "the liquid of a block; allowed: a mouth with {} spacings, {:.4g} m, free behind it",
-                      points[i].x(), points[i].y(), points[i].z(), kNozzleLength, kNozzleLength * spacing));
+          fmt::format(
+              "the nozzle has a particle at ({:.4g}, {:.4g}, {:.4g}) m, in or too close to a wall, a body or "
+              "the liquid of a block; allowed: a mouth with {} spacings, {:.4g} m, free behind it",
+              points[i].x(), points[i].y(), points[i].z(), kNozzleLength, kNozzleLength * spacing));
     if (points[i].lpNorm<Eigen::Infinity>() > kFarthest * spacing)
       throw InvalidInput(
           where, fmt::format("the mouth is further from the origin than {:.0f} spacings, {:.6g} m", kFarthest,
@@ -144,7 +145,7 @@ double emitted_particles(const Emitter& emitter, const Scene& scene) {
   return static_cast<double>(layer) * emitted_layers(emitter, scene.fluid.spacing, layer, scene.duration);
 }
 
-FilledBlocks fill_blocks(const Scene& scene, std::span<const SolidWall> walls, MeshFiles& meshes) {
+FilledBlocks fill_blocks(const Scene& scene, std::span<const SolidWall> solids, MeshFiles& meshes) {
   const double spacing = scene.fluid.spacing;
   FilledBlocks filled;
   for (std::size_t b = 0; b < scene.blocks.size(); ++b) {
@@ -155,17 +156,17 @@ FilledBlocks fill_blocks(const Scene& scene, std::span<const SolidWall> walls, M
       return checked_lattice(block, solid, spacing, filled.particles.position.size());
     };
     const std::vector<Vec3> points = std::visit(lattice_of, block.shape);
-    if (!add_free_points(points, block, static_cast<int>(b), scene.fluid, walls, filled.particles))
+    if (!add_free_points(points, block, static_cast<int>(b), scene.fluid, solids, filled.particles))
       throw InvalidInput(
           block.where,
-          "no particle of the block is free: all lie in a wall, within half a spacing of one, or "
+          "no particle of the block is free: all lie in a wall or body, within half a spacing of one, or "
           "in an earlier block; allowed: a block with room for one particle");
   }
   return filled;
 }
 
-void check_emitters(const Scene& scene, std::span<const SolidWall> walls, std::span<const Vec3> filled) {
-  for (std::size_t e = 0; e < scene.fluid.emitters.size(); ++e) check_nozzle(scene, e, walls, filled);
+void check_emitters(const Scene& scene, std::span<const SolidWall> solids, std::span<const Vec3> filled) {
+  for (std::size_t e = 0; e < scene.fluid.emitters.size(); ++e) check_nozzle(scene, e, solids, filled);
   check_emitted(scene, filled.size());
 }
 

@@ -6,13 +6,14 @@
 #include "core/text_hash.h"
 #include "scenes/fill.h"
 #include "scenes/mesh_file.h"
+#include "scenes/rigid_bodies.h"
 #include "scenes/shapes.h"
 
 namespace kappaflow {
 namespace {
 
-/// A wall's closed surface, oriented outward.
-struct WallSurface {
+/// The closed surface of a wall or body, oriented outward.
+struct SolidSurface {
   MeshFiles& meshes;
   const SourcePosition& where;
 
@@ -27,8 +28,20 @@ struct WallSurface {
 std::vector<SolidWall> walls_of(const Scene& scene, MeshFiles& meshes) {
   std::vector<SolidWall> walls;
   for (const Wall& wall : scene.walls)
-    walls.emplace_back(std::visit(WallSurface{meshes, wall.where}, wall.shape), wall.motion);
+    walls.emplace_back(std::visit(SolidSurface{meshes, wall.where}, wall.shape), wall.motion);
   return walls;
+}
+
+std::vector<RigidBody> bodies_of(const Scene& scene, MeshFiles& meshes) {
+  std::vector<RigidBody> bodies;
+  for (const SceneBody& body : scene.bodies) {
+    SolidWall solid(std::visit(SolidSurface{meshes, body.where}, body.shape));
+    const double mass =
+        body.density ? *body.density * mass_properties(solid.surface()).volume : body.mass.value_or(0);
+    bodies.push_back(
+        {std::move(solid), mass, body.velocity, body.angular_velocity, body.friction, body.heat});
+  }
+  return bodies;
 }
 
 /// meshes: all of the scene's, read before.
@@ -41,6 +54,7 @@ std::string hash_of(const Scene& scene, MeshFiles& meshes) {
   };
   for (const FluidBlock& block : scene.blocks) add_mesh(block);
   for (const Wall& wall : scene.walls) add_mesh(wall);
+  for (const SceneBody& body : scene.bodies) add_mesh(body);
   return hash.text();
 }
 
@@ -50,8 +64,12 @@ PreparedScene prepare(Scene scene) {
   MeshFiles meshes;
   PreparedScene prepared;
   prepared.walls = walls_of(scene, meshes);
-  FilledBlocks filled = fill_blocks(scene, prepared.walls, meshes);
-  check_emitters(scene, prepared.walls, filled.particles.position);
+  prepared.bodies = bodies_of(scene, meshes);
+  check_apart(scene, prepared.walls, prepared.bodies);
+  std::vector<SolidWall> solids = prepared.walls;
+  for (const RigidBody& body : prepared.bodies) solids.push_back(body.solid);
+  FilledBlocks filled = fill_blocks(scene, solids, meshes);
+  check_emitters(scene, solids, filled.particles.position);
   prepared.start = std::move(filled.particles);
   prepared.block_area = filled.area;
   prepared.hash = hash_of(scene, meshes);

@@ -59,6 +59,17 @@ struct Wall {
   SourcePosition where;  ///< where the scene's file describes it
 };
 
+/// A rigid body that liquid moves.
+struct SceneBody {
+  std::variant<BoxShape, SphereShape, CylinderShape, MeshShape> shape;  ///< at t = 0
+  std::optional<double> density, mass;                                  ///< one of them [kg/m3], [kg]
+  Vec3 velocity{0, 0, 0};                                               ///< of its centre of mass [m/s]
+  Vec3 angular_velocity{0, 0, 0};                                       ///< [rad/s]
+  double friction = 0.5;                                                ///< see RigidBody
+  WallHeat heat;
+  SourcePosition where;  ///< where the scene's file describes it
+};
+
 /// How the surface is defined, meshed and tracked: SurfaceOptions as far as they do not follow from the
 /// liquid, and the methods by their names.
 struct SurfaceDescription : SurfaceOptions {
@@ -91,6 +102,7 @@ struct Scene {
   std::vector<FluidBlock> blocks;
   std::vector<SourcePosition> emitters_where;  ///< where the scene's file describes fluid.emitters
   std::vector<Wall> walls;
+  std::vector<SceneBody> bodies;
   SurfaceDescription surface;
   OutputDescription output;
 };

@@ -8,66 +8,17 @@
 #include "scenes/heat.h"
 #include "scenes/materials.h"
 #include "scenes/scene.h"
-#include "solver/boundary_sampling.h"
+#include "scenes/solids.h"
 #include "solver/emitter.h"
 #include "surface/tracker/surface_methods.h"
 
 namespace kappaflow {
 namespace {
 
-// Bounds that no sensible scene meets; they keep what is computed from the numbers finite in single
-// precision.
-constexpr double kMaxLength = 1e6;   // [m]
-constexpr double kMaxSpeed = 1e4;    // [m/s]
-constexpr double kMaxDensity = 1e6;  // [kg/m3]
 constexpr double kMaxTension = 1e6;  // [N/m]
-constexpr double kMaxTime = 1e6;     // [s]
 constexpr double kMaxFrames = 1e6;
-constexpr std::size_t kMaxOutflows = 255;
+constexpr std::size_t kMaxOutflows = 255, kMaxBodies = 1000;
 constexpr int kMaxIterations = 100000;
-
-NumberRange length() {
-  return positive("m", kMaxLength);
-}
-
-BoxShape read_box(TomlTable& t) {
-  BoxShape box{t.vector("lower", "m"), t.vector("upper", "m")};
-  t.finish();
-  if (!(box.lower.array() < box.upper.array()).all())
-    t.refuse("upper", fmt::format("a corner above lower, [{}, {}, {}] [m], in every component", box.lower[0],
-                                  box.lower[1], box.lower[2]));
-  return box;
-}
-
-SphereShape read_sphere(TomlTable& t) {
-  SphereShape sphere{t.vector("center", "m"), t.number("radius", length())};
-  t.finish();
-  return sphere;
-}
-
-StairsShape read_stairs(TomlTable& t) {
-  StairsShape stairs;
-  stairs.steps = t.integer("steps", 1, 10000, stairs.steps);
-  stairs.rise = t.number("rise", length());
-  stairs.run = t.number("run", length());
-  stairs.landing = t.number("landing", length());
-  stairs.floor = t.number("floor", length());
-  stairs.width = t.number("width", length());
-  stairs.thickness = t.number("thickness", length());
-  stairs.origin = t.vector("origin", "m", stairs.origin);
-  t.finish();
-  return stairs;
-}
-
-MeshShape read_mesh(TomlTable& t) {
-  MeshShape mesh;
-  const std::filesystem::path file = t.text("file");
-  mesh.scale = t.number("scale", positive("m", kMaxLength), mesh.scale);
-  mesh.translation = t.vector("translation", "m", mesh.translation);
-  t.finish();
-  mesh.file = std::filesystem::path(t.where().file).parent_path() / file;
-  return mesh;
-}
 
 FluidBlock read_block(TomlTable t, Fluids& fluids) {
   enum class Kind { box, sphere, mesh };
@@ -113,33 +64,6 @@ void read_gravity(TomlTable& t, FluidOptions& fluid) {
   if (!rows.empty()) fluid.gravity = fluid.gravity_table.at(0);
 }
 
-/// [[wall.motion]] or [[fluid.emitter.motion]]: one for a constant velocity, several for one that is linear
-/// in time between them.
-BodyMotion read_motion(TomlTable& body) {
-  BodyMotion motion;
-  std::vector<TomlTable> keys = body.tables("motion");
-  if (keys.empty()) return motion;
-  motion.axis = body.vector("axis", "", motion.axis);
-  motion.point = body.vector("point", "m", motion.point);
-  if (!(motion.axis.norm() > 1e-12)) body.refuse("axis", "a direction, not the zero vector");
-  motion.axis.normalize();
-  for (TomlTable& t : keys) {
-    const bool first = motion.keys.empty();
-    BodyMotion::Key key;
-    key.time = t.number("time", non_negative("s", kMaxTime), first ? std::optional<double>(0) : std::nullopt);
-    key.velocity = t.vector("velocity", "m/s", key.velocity);
-    key.angular_velocity =
-        t.number("angular_velocity", {-kMaxSpeed, kMaxSpeed, false, "rad/s"}, key.angular_velocity);
-    t.finish();
-    if (key.velocity.norm() > kMaxSpeed)
-      t.refuse("velocity", fmt::format("at most {} m/s in length", kMaxSpeed));
-    if (!first && key.time <= motion.keys.back().time)
-      t.refuse("time", fmt::format("above {} s, the time before", motion.keys.back().time));
-    motion.keys.push_back(key);
-  }
-  return motion;
-}
-
 Emitter read_emitter(TomlTable t, Fluids& fluids) {
   enum class Kind { disc, rectangle };
   static constexpr Named<Kind> kKinds[] = {{"disc", Kind::disc}, {"rectangle", Kind::rectangle}};
@@ -147,9 +71,9 @@ Emitter read_emitter(TomlTable t, Fluids& fluids) {
                                                      {"parabolic", FlowProfile::parabolic}};
   Emitter emitter;
   if (t.choice("shape", kKinds, {}) == Kind::disc) {
-    emitter.mouth = DiscMouth{t.number("radius", length())};
+    emitter.mouth = DiscMouth{t.number("radius", length_range())};
   } else {
-    RectangleMouth mouth{t.number("width", length()), t.number("height", length())};
+    RectangleMouth mouth{t.number("width", length_range()), t.number("height", length_range())};
     mouth.up = t.vector("up", "", mouth.up);
     emitter.mouth = mouth;
   }
@@ -174,45 +98,6 @@ Emitter read_emitter(TomlTable t, Fluids& fluids) {
   return emitter;
 }
 
-CylinderShape read_cylinder(TomlTable& t) {
-  CylinderShape cylinder{t.vector("from", "m"), t.vector("to", "m"), t.number("radius", length())};
-  t.finish();
-  if (cylinder.from == cylinder.to) t.refuse("to", "a point other than from");
-  return cylinder;
-}
-
-BasinShape read_basin(TomlTable& t) {
-  const double thickness = t.number("thickness", length());
-  const BoxShape space = read_box(t);
-  return {space.lower, space.upper, thickness};
-}
-
-Wall read_wall(TomlTable t, std::optional<HeatOptions>& heat) {
-  enum class Kind { box, sphere, cylinder, basin, stairs, mesh };
-  static constexpr Named<Kind> kKinds[] = {{"box", Kind::box},           {"sphere", Kind::sphere},
-                                           {"cylinder", Kind::cylinder}, {"basin", Kind::basin},
-                                           {"stairs", Kind::stairs},     {"mesh", Kind::mesh}};
-  const SourcePosition where = t.where();
-  const Kind kind = t.choice("shape", kKinds, {});
-  const BodyMotion motion = read_motion(t);
-  const WallHeat of_wall = read_wall_heat(t, heat);
-  if (heat) heat->walls.push_back(of_wall);
-  switch (kind) {
-    case Kind::sphere:
-      return {read_sphere(t), motion, where};
-    case Kind::cylinder:
-      return {read_cylinder(t), motion, where};
-    case Kind::basin:
-      return {read_basin(t), motion, where};
-    case Kind::stairs:
-      return {read_stairs(t), motion, where};
-    case Kind::mesh:
-      return {read_mesh(t), motion, where};
-    default:
-      return {read_box(t), motion, where};
-  }
-}
-
 /// [[outflow]]
 Outflow read_outflow(TomlTable t) {
   enum class Kind { box, sphere, cylinder };
@@ -228,25 +113,9 @@ Outflow read_outflow(TomlTable t) {
   }
 }
 
-/// The solver lays particles below a wall's surface, and both sides need room. Boxes and stairs are checked
-/// here, where the line is known; meshes by the solver.
-void check_thickness(const Wall& wall, double spacing) {
-  const double allowed = kThinnestWall * spacing;
-  double thinnest = allowed;
-  if (const auto* box = std::get_if<BoxShape>(&wall.shape)) thinnest = (box->upper - box->lower).minCoeff();
-  if (const auto* basin = std::get_if<BasinShape>(&wall.shape)) thinnest = basin->thickness;
-  if (const auto* stairs = std::get_if<StairsShape>(&wall.shape))
-    thinnest = std::min(stairs->thickness, stairs->width);
-  if (thinnest < allowed)
-    throw InvalidInput(
-        wall.where,
-        fmt::format("the wall is {:.6g} m thick; allowed: at least {} particle spacings, {:.6g} m", thinnest,
-                    kThinnestWall, allowed));
-}
-
 void read_fluid(TomlTable t, std::vector<TomlTable> materials, Scene& scene) {
   FluidOptions& fluid = scene.fluid;
-  fluid.spacing = t.number("spacing", length());
+  fluid.spacing = t.number("spacing", length_range());
   fluid.density = t.number("density", positive("kg/m3", kMaxDensity), fluid.density);
   Fluids fluids(fluid, scene.materials, std::move(materials));
   const bool has_liquid = fluids.read_first(t);
@@ -373,15 +242,18 @@ Scene parse_scene(const std::string& text, const std::filesystem::path& file) {
   TomlTable fluid = root.table("fluid", true), solver = root.table("solver"), surface = root.table("surface"),
             output = root.table("output");
   std::vector<TomlTable> materials = root.tables("material"), walls = root.tables("wall"),
-                         outflows = root.tables("outflow");
+                         bodies = root.tables("body"), outflows = root.tables("outflow");
   const bool has_heat = root.has("heat");
   TomlTable heat = root.table("heat");
   root.finish();
 
   if (has_heat) scene.fluid.heat = read_heat(std::move(heat));
   read_fluid(std::move(fluid), std::move(materials), scene);
-  for (TomlTable& wall : walls) scene.walls.push_back(read_wall(std::move(wall), scene.fluid.heat));
-  for (const Wall& wall : scene.walls) check_thickness(wall, scene.fluid.spacing);
+  for (TomlTable& wall : walls) scene.walls.push_back(read_wall(std::move(wall), scene.fluid));
+  if (bodies.size() > kMaxBodies)
+    throw InvalidInput(bodies[kMaxBodies].where(),
+                       fmt::format("{} [[body]]; allowed: {}", bodies.size(), kMaxBodies));
+  for (TomlTable& body : bodies) scene.bodies.push_back(read_body(std::move(body), scene.fluid));
   if (outflows.size() > kMaxOutflows)
     throw InvalidInput(outflows[kMaxOutflows].where(),
                        fmt::format("{} [[outflow]]; allowed: {}", outflows.size(), kMaxOutflows));

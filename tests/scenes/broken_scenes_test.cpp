@@ -229,6 +229,26 @@ TEST(GoodScenes, EveryKeyArrives) {
   EXPECT_EQ(basin.thickness, 0.5);
 }
 
+TEST(GoodScenes, BodiesArrive) {
+  const Scene scene = load_scene(source_file("tests/data/every_key.toml"));
+  ASSERT_EQ(scene.bodies.size(), 4u);
+  const SceneBody &ball = scene.bodies[0], &box = scene.bodies[1];
+  EXPECT_EQ(std::get<SphereShape>(ball.shape).center, Vec3(0, 6, 5));
+  EXPECT_EQ(ball.density, 2500);
+  EXPECT_EQ(ball.mass, std::nullopt);
+  EXPECT_EQ(ball.velocity, Vec3(0, -1, 2));
+  EXPECT_EQ(ball.angular_velocity, Vec3(3, 2, 1));
+  EXPECT_EQ(ball.friction, 0.25);
+  EXPECT_EQ(ball.heat, (WallHeat{WallHeat::Kind::temperature, 400}));
+  EXPECT_EQ(std::get<BoxShape>(box.shape).upper, Vec3(3, 7, 6));
+  EXPECT_EQ(box.density, std::nullopt);
+  EXPECT_EQ(box.mass, 12.5);
+  EXPECT_EQ(box.friction, 0.5);
+  EXPECT_EQ(box.heat, (WallHeat{WallHeat::Kind::flux, 50}));
+  EXPECT_EQ(std::get<CylinderShape>(scene.bodies[2].shape).to, Vec3(4, 8, 0));
+  EXPECT_EQ(std::get<MeshShape>(scene.bodies[3].shape).translation, Vec3(-6, 6, 0));
+}
+
 TEST(GoodScenes, HeatArrives) {
   const PreparedScene prepared = prepare(load_scene(source_file("tests/data/every_key.toml")));
   const FluidOptions& fluid = prepared.scene.fluid;

@@ -26,6 +26,14 @@ TEST(Estimate, CountsParticles) {
   EXPECT_EQ(result.boundary_particles, 5700u);  // 30 m2 of wall, 1.9 per spacing^2
 }
 
+TEST(Estimate, CountsThoseOfBodies) {
+  Scene scene = tank(0.1);
+  SceneBody& body = scene.bodies.emplace_back();
+  body.shape = BoxShape{Vec3(0, 2, 0), Vec3(1, 3, 1)};
+  body.density = 500;
+  EXPECT_EQ(estimate_of(scene, 1).boundary_particles, 5700u + 1140u);  // 6 m2 more
+}
+
 TEST(Estimate, MemoryGrowsWithTheParticles) {
   const double program = static_cast<double>(estimate_of(tank(0.5), 1).memory_bytes);  // eight particles
   EXPECT_LT(program, 5e7);

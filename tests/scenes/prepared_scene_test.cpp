@@ -1,9 +1,11 @@
 // What a scene and its files make, once.
 #include "scenes/prepared_scene.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <numbers>
 
 #include "core/text_hash.h"
 #include "scenes/estimate.h"
@@ -95,6 +97,86 @@ TEST(PreparedScene, HashIsThatOfTheTextAndTheMeshes) {
   temporary_file("cube.obj", cube() + "# another\n");
   EXPECT_EQ(prepare(load_scene(file)).hash,
             text_hash(std::string(kCubes) + cube() + "# another\n" + cube() + "# another\n"));
+}
+
+/// A scene with a floor at y = 0, some liquid far away, and these bodies.
+std::string floor_with(std::string_view bodies) {
+  return std::string(R"(
+duration = 1
+[fluid]
+spacing = 0.1
+kinematic_viscosity = 1
+[[fluid.block]]
+shape = "box"
+lower = [10, 0, 0]
+upper = [11, 1, 1]
+[[wall]]
+shape = "box"
+lower = [-5, -1, -5]
+upper = [5, 0, 5]
+)") + std::string(bodies);
+}
+
+std::string box_body(const Vec3& lower, const Vec3& upper) {
+  return fmt::format("[[body]]\nshape = \"box\"\ndensity = 700\nlower = [{}, {}, {}]\nupper = [{}, {}, {}]\n",
+                     lower[0], lower[1], lower[2], upper[0], upper[1], upper[2]);
+}
+
+PreparedScene prepared_with(const std::string& bodies) {
+  return prepare(load_scene(temporary_file("bodies.toml", floor_with(bodies))));
+}
+
+TEST(PreparedScene, BodiesWeighWhatTheirShapesHold) {
+  const PreparedScene prepared = prepared_with(
+      "[[body]]\nshape = \"sphere\"\ncenter = [0, 2, 0]\nradius = 0.5\ndensity = 2500\nvelocity = [1, 2, "
+      "3]\n" +
+      box_body({2, 0, 0}, {3, 2, 0.5}) +
+      "[[body]]\nshape = \"sphere\"\ncenter = [0, 4, 0]\nradius = 0.5\nmass = 12\n");
+  ASSERT_EQ(prepared.bodies.size(), 3u);
+  const double ball = 2500 * 4.0 / 3.0 * std::numbers::pi * 0.125;
+  EXPECT_NEAR(prepared.bodies[0].mass, ball, 0.01 * ball) << "triangles within the sphere hold a little less";
+  EXPECT_LT(prepared.bodies[0].mass, ball);
+  EXPECT_NEAR(prepared.bodies[1].mass, 700, 1e-9);
+  EXPECT_EQ(prepared.bodies[2].mass, 12);
+  EXPECT_EQ(prepared.bodies[0].velocity, Vec3(1, 2, 3));
+}
+
+TEST(PreparedScene, BodiesMayTouchButNotOverlap) {
+  const std::string box = box_body({0, 0, 0}, {1, 1, 1});
+  const auto refused = [](const std::string& bodies) {
+    try {
+      prepared_with(bodies);
+    } catch (const InvalidInput&) {
+      return true;
+    }
+    return false;
+  };
+  EXPECT_FALSE(refused(box)) << "it stands on the floor";
+  EXPECT_FALSE(refused(box + box_body({0, 1, 0}, {1, 2, 1}))) << "and the next one on it";
+  EXPECT_FALSE(refused(box + box_body({0, 0.996, 0}, {1, 2, 1}))) << "0.04 spacings deep";
+  EXPECT_TRUE(refused(box + box_body({0, 0.994, 0}, {1, 2, 1}))) << "0.06 spacings deep";
+  EXPECT_TRUE(refused(box_body({0, -0.006, 0}, {1, 1, 1})));
+  EXPECT_TRUE(refused(box + box_body({0.3, 0.3, 0.3}, {0.7, 0.7, 0.7}))) << "within the other as a whole";
+  EXPECT_TRUE(refused(box_body({0.3, 0.3, 0.3}, {0.7, 0.7, 0.7}) + box));
+  EXPECT_TRUE(refused(box + box_body({-1, 0.4, 0.4}, {2, 0.6, 0.6}))) << "no vertex of one is in the other";
+  EXPECT_TRUE(refused(box_body({0, -2, 0}, {0.3, 2, 0.3}))) << "likewise, through the floor";
+}
+
+TEST(PreparedScene, BodiesAreFreeOfLiquid) {
+  const std::string body =
+      "[[body]]\nshape = \"sphere\"\ncenter = [10.5, 0.5, 0.5]\nradius = 0.3\ndensity = 2500\n";
+  const std::size_t without = prepared_with("").start.position.size();
+  const PreparedScene prepared = prepared_with(body);
+  EXPECT_NEAR(static_cast<double>(without - prepared.start.position.size()),
+              4.0 / 3.0 * std::numbers::pi * 0.35 * 0.35 * 0.35 / 1e-3, 25);
+  for (const Vec3& x : prepared.start.position) EXPECT_GT((x - Vec3(10.5, 0.5, 0.5)).norm(), 0.34);
+}
+
+TEST(PreparedScene, HashTakesTheMeshesOfBodies) {
+  temporary_file("cube.obj", cube());
+  const std::string text =
+      floor_with("[[body]]\nshape = \"mesh\"\nfile = \"cube.obj\"\ntranslation = [0, 3, 0]\ndensity = 500\n");
+  EXPECT_EQ(prepare(load_scene(temporary_file("mesh.toml", text))).hash, text_hash(text + cube()));
 }
 
 }  // namespace
