@@ -127,11 +127,10 @@ NamedArrays surface_arrays(Running& self, std::size_t surface) {
       [&](const RunningScene& running) { return snapshot(running.simulation.surfaces(), surface); }));
 }
 
-/// Vertices and triangles of each wall, where it is now.
+/// Vertices and triangles of each wall, then of each body, where it is now.
 auto walls(Running& self) {
-  std::vector<TriangleSurface> surfaces = self.look([](const RunningScene& running) {
-    return surfaces_of(walls_at(running.simulation.fluid().time(), running.simulation.walls()));
-  });
+  std::vector<TriangleSurface> surfaces =
+      self.look([](const RunningScene& running) { return surfaces_of(running.simulation.solids_now()); });
   std::vector<std::tuple<VectorsOut, ArrayOut<int, 3>>> arrays;
   for (TriangleSurface& wall : surfaces)
     arrays.emplace_back(vectors_of(std::move(wall.vertices)), array_of<int, 3>(std::move(wall.triangles)));

@@ -4,8 +4,8 @@
 namespace kappaflow {
 
 /// Two emitters, one of them late, that moves with a profile and a ramp; three liquids, two of which yield or
-/// thin and stiffen as they cool, heat, gravity in time, an outflow, a turning hot wall, tension, lone drops,
-/// and steps of the surfaces of several of the liquid's.
+/// thin and stiffen as they cool, heat, gravity in time, an outflow, a turning hot wall, a body, tension,
+/// lone drops, and steps of the surfaces of several of the liquid's.
 inline constexpr const char* kEverythingScene = R"(
 duration = 0.12
 [fluid]
@@ -47,6 +47,14 @@ temperature = 500
 axis = [0, 1, 0]
 [[wall.motion]]
 angular_velocity = 3
+[[body]]
+shape = "sphere"
+center = [0.1, 0.45, 0.15]
+radius = 0.06
+density = 3000
+velocity = [0, -2, 0]
+angular_velocity = [0, 0, 20]
+temperature = 450
 [heat]
 temperature = 300
 specific_heat = 1000

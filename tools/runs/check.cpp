@@ -20,7 +20,7 @@ std::string vector_text(const Vec3& v) {
   return fmt::format("({:.4g}, {:.4g}, {:.4g})", v.x(), v.y(), v.z());
 }
 
-// How a block or wall reads in the summary.
+// How a block, wall or body reads in the summary.
 struct ShapeText {
   std::string operator()(const BoxShape& box) const {
     return fmt::format("box from {} to {} m", vector_text(box.lower), vector_text(box.upper));
@@ -110,7 +110,15 @@ std::string gravity_line(const FluidOptions& fluid) {
   return fmt::format("    gravity {} m/s2\n", fmt::join(values, ", "));
 }
 
-std::string liquid_lines(const Scene& scene) {
+std::string body_line(const SceneBody& body, double mass) {
+  return fmt::format(
+      "    body    {}, {:.4g} kg{}, friction {:.4g}{}{}\n", std::visit(ShapeText(), body.shape), mass,
+      body.density ? fmt::format(" ({:.6g} kg/m3)", *body.density) : "", body.friction,
+      body.velocity.isZero() && body.angular_velocity.isZero() ? "" : ", moving", heat_text(body.heat));
+}
+
+std::string liquid_lines(const PreparedScene& prepared) {
+  const Scene& scene = prepared.scene;
   const FluidOptions& fluid = scene.fluid;
   std::string text = fmt::format("  liquid    spacing {:.4g} m, density {:.6g} kg/m3{}\n", fluid.spacing,
                                  fluid.density, viscosity_text(0, scene));
@@ -124,6 +132,8 @@ std::string liquid_lines(const Scene& scene) {
     text += fmt::format("    wall    {}{}{}\n", std::visit(ShapeText(), scene.walls[w].shape),
                         scene.walls[w].motion.at_rest() ? "" : ", moving",
                         fluid.heat ? heat_text(fluid.heat->walls[w]) : "");
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b)
+    text += body_line(scene.bodies[b], prepared.bodies[b].mass);
   for (const Outflow& outflow : fluid.outflows)
     text += fmt::format("    outflow {}\n", std::visit(ShapeText(), outflow.shape));
   return text + heat_line(fluid.heat);
@@ -151,7 +161,7 @@ std::string check_text(const PreparedScene& prepared, int threads) {
   return fmt::format("{}: {}\n", scene.file.string(), scene.title) +
          fmt::format("  duration  {:.4g} s, {:.4g} frames per second\n", scene.duration,
                      scene.output.frames_per_second) +
-         liquid_lines(scene) + surface_line(scene.surface, scene.fluid.spacing) +
+         liquid_lines(prepared) + surface_line(scene.surface, scene.fluid.spacing) +
          fmt::format(
              "  particles {}{}\n  boundary particles {}\n  memory    {} {:.0f} MB\n"
              "  time      about {} on {} thread{}\n",

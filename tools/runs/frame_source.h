@@ -9,6 +9,7 @@
 
 #include "core/saved_state.h"
 #include "core/solids.h"
+#include "solver/rigid_body.h"
 #include "surface/field/particle_motion.h"
 #include "surface/measure/material_tracers.h"
 #include "surface/tracker/surface_group.h"
@@ -19,12 +20,14 @@ namespace kappaflow {
 
 /// What there is to write of a frame beside its surfaces, and what happened since the frame before.
 struct FrameReport {
-  ParticleFrame particles;             ///< empty where there are none
-  FrameMetrics metrics;                ///< without the isosurface
-  std::vector<TriangleSurface> walls;  ///< where they are in this frame; empty where they never move
-  std::vector<TrackerStep> steps;      ///< of each surface
-  double liquid_seconds = 0;           ///< wall time
-  double tracer_seconds = 0;           ///< likewise
+  ParticleFrame particles;  ///< empty where there are none
+  FrameMetrics metrics;     ///< without the isosurface
+  /// Walls, then bodies, where they are in this frame; empty where none ever moves.
+  std::vector<TriangleSurface> walls;
+  std::vector<BodyState> bodies;
+  std::vector<TrackerStep> steps;  ///< of each surface
+  double liquid_seconds = 0;       ///< wall time
+  double tracer_seconds = 0;       ///< likewise
 };
 
 /// A simulation, or the files of another program. Frame 0 is there from the start.
@@ -52,6 +55,7 @@ class FrameSource {
   /// How particles become the surfaces' field; null where it is not of particles.
   virtual const ParticleFieldOptions* particle_field() const = 0;
   virtual const MaterialTracers& tracers() const = 0;
+  /// Walls, then bodies, at t = 0.
   virtual std::vector<TriangleSurface> walls_at_start() const { return {}; }
   virtual bool walls_move() const { return false; }  ///< at some time
 

@@ -10,6 +10,7 @@
 #include "core/stopwatch.h"
 #include "tools/io/vtk_arrays.h"
 #include "tools/io/vtp_files.h"
+#include "tools/runs/body_rows.h"
 #include "tools/runs/frame_rate.h"
 #include "tools/runs/timings.h"
 
@@ -108,6 +109,7 @@ void FrameWriter::write(int frame, FrameSource& source, RunSummary& summary) {
     summary.methods[m].add_frame(method, row.surface);
     summary.methods[m].add_seconds(seconds);
   }
+  rows.bodies = bodies_rows(frame, metrics.time, report.bodies);
   folder_.beside([to = export_, frame] { to->finish_frame(frame); });
   folder_.finish_frame(metrics.time, rows);
   summary.add_frame(metrics, report.tracer_seconds, shared_seconds);

@@ -126,7 +126,7 @@ constexpr MetricColumn kColumns[] = {
     column<&MetricsRow::method>("method", "", Better::neither, "velocity method that the surface moved with"),
     of_frame<&Frame::particles>("particles", "1", "how many there are"),
     of_frame<&Frame::penetration_max>("penetration_max", "spacings",
-                                      "depth of the deepest particle centre inside a wall"),
+                                      "depth of the deepest particle centre inside a wall or body"),
     of_frame<&Frame::density_error_mean>("density_error_mean", "1",
                                          "compression max(rho/rho0 - 1, 0), mean over the particles: the "
                                          "largest since the last frame"),

@@ -12,6 +12,7 @@
 #include "tools/io/mesh_formats.h"
 #include "tools/io/pvd.h"
 #include "tools/io/vtp_files.h"
+#include "tools/runs/body_rows.h"
 #include "tools/runs/timings.h"
 
 namespace kappaflow {
@@ -20,8 +21,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kPiecesFile = "pieces.csv";
+constexpr const char* kBodiesFile = "bodies.csv";
 constexpr const char* kBeginningFolder = "beginning.tmp";  // of a run that is to replace another
-constexpr std::array kTables{kMetricsFile, kPiecesFile, kTimingsFile};
+constexpr std::array kTables{kMetricsFile, kPiecesFile, kTimingsFile, kBodiesFile};
+constexpr std::size_t kTablesOfAll = 3;  // runs; the other has a header with its first rows
 constexpr std::array kOtherFiles{kRecordFile, kSceneFile, kCheckpointFile, kBoundaryFile, kFailureFile};
 
 bool is_surface_name(const std::string& name) {
@@ -141,8 +144,10 @@ RunFolder::RunFolder(fs::path folder, std::vector<std::string> methods, bool for
       methods_(std::move(methods)) {
   for (const std::string& method : methods_) make_folder(place_ / ("surface-" + method));
   const std::array headers{metrics_header(), pieces_header(), timings_header()};
-  for (std::size_t t = 0; t < kTables.size(); ++t) write_now(place_ / kTables[t], headers[t]);
-  table_lines_.fill(1);
+  for (std::size_t t = 0; t < kTablesOfAll; ++t) {
+    write_now(place_ / kTables[t], headers[t]);
+    table_lines_[t] = 1;
+  }
 }
 
 RunFolder::RunFolder(fs::path folder) : folder_(std::move(folder)), lock_(folder_), place_(folder_) {
@@ -241,8 +246,13 @@ void RunFolder::write_export(const std::string& name, const std::string& content
 void RunFolder::finish_frame(double time, const FrameRows& rows) {
   times_.push_back(time);
   write_collections();
-  const std::array lines{rows.metrics, rows.pieces, rows.timings};
+  const std::array lines{rows.metrics, rows.pieces, rows.timings, rows.bodies};
   for (std::size_t t = 0; t < kTables.size(); ++t) {
+    if (lines[t].empty()) continue;
+    if (table_lines_[t] == 0) {
+      beside([this, file = place_ / kTables[t]] { write_now(file, bodies_header()); });
+      table_lines_[t] = 1;
+    }
     table_lines_[t] += std::ranges::count(lines[t], '\n');
     beside([this, file = place_ / kTables[t], rows = lines[t]] {
       append_lines(file, rows);
@@ -275,7 +285,8 @@ std::vector<MetricsRow> RunFolder::metrics() const {
 }
 
 void RunFolder::cut_tables() const {
-  for (std::size_t t = 0; t < kTables.size(); ++t) cut_to_lines(folder_ / kTables[t], table_lines_[t]);
+  for (std::size_t t = 0; t < kTables.size(); ++t)
+    if (table_lines_[t] > 0) cut_to_lines(folder_ / kTables[t], table_lines_[t]);
 }
 
 void RunFolder::write_collections() {

@@ -22,10 +22,12 @@ namespace kappaflow {
 /// What a frame adds to the tables; whole lines.
 struct FrameRows {
   std::string metrics, pieces, timings;
+  std::string bodies = {};  ///< in every frame, or in none
 };
 
 /// A run folder:
 ///   run.json  run.toml  checkpoint.bin  metrics.csv  pieces.csv  timings.csv  run.pvd
+///   bodies.csv, where there are bodies
 ///   boundary.vtp, or where walls move boundary.pvd  boundary/boundary_0000.vtp ...
 ///   particles.pvd  particles/particles_0000.vtp ...
 ///   surface-<method>.pvd  surface-<method>/surface_0000.vtp ...
@@ -103,7 +105,7 @@ class RunFolder {
   std::filesystem::path place_;  // where files are written: folder_, or inside of it until take_place()
   std::vector<std::string> methods_;
   std::vector<double> times_;                   // of the finished frames [s]
-  std::array<std::uint64_t, 3> table_lines_{};  // of metrics, pieces and timings
+  std::array<std::uint64_t, 4> table_lines_{};  // of metrics, pieces, timings and bodies; 0: there is none
   bool has_boundary_ = false, boundary_moves_ = false;
   bool has_particles_ = false;               // in the frame that is being written
   std::set<std::filesystem::path> written_;  // since the last flush; of the work beside

@@ -14,7 +14,9 @@
 namespace kappaflow {
 
 SceneFrames::SceneFrames(PreparedScene prepared)
-    : scene_(prepared.scene), simulation_(std::move(prepared)), wall_distance_(simulation_.walls()) {
+    : scene_(prepared.scene),
+      simulation_(std::move(prepared)),
+      wall_distance_(simulation_.solids_at_start()) {
   if (scene_.fluid.heat) add_temperatures(surfaces());
 }
 
@@ -27,8 +29,7 @@ bool SceneFrames::advance(int frame, const Watch& watch) {
 }
 
 std::vector<TriangleSurface> SceneFrames::walls_at_start() const {
-  if (!walls_move()) return surfaces_of(simulation_.walls());
-  return surfaces_of(walls_at(time_of(0), simulation_.walls()));
+  return surfaces_of(simulation_.solids_at_start());
 }
 
 FrameReport SceneFrames::take_report(int frame) {
@@ -37,10 +38,11 @@ FrameReport SceneFrames::take_report(int frame) {
   metrics.frame = frame;
   metrics.time = time_of(frame);
   if (walls_move()) {
-    const std::vector<SolidWall> walls = walls_at(metrics.time, simulation_.walls());
-    wall_distance_ = WallDistance(walls);
-    report.walls = surfaces_of(walls);
+    const std::vector<SolidWall> solids = simulation_.solids_now();
+    wall_distance_ = WallDistance(solids);
+    report.walls = surfaces_of(solids);
   }
+  report.bodies = simulation_.fluid().bodies();
   report.particles = particles();
   set_temperatures(report.particles, surfaces(), metrics);
   const SimulationReport since = simulation_.take_report();

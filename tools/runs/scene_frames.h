@@ -26,7 +26,7 @@ class SceneFrames : public FrameSource {
   const ParticleFieldOptions* particle_field() const override { return &surfaces().field_options(); }
   const MaterialTracers& tracers() const override { return simulation_.tracers(); }
   std::vector<TriangleSurface> walls_at_start() const override;
-  bool walls_move() const override { return any_moves(simulation_.walls()); }
+  bool walls_move() const override { return simulation_.solids_move(); }
   FrameReport take_report(int frame) override;
   std::string kept_particles(const std::filesystem::path& file) const override;
   void write_state(StateWriter& archive) override { archive(simulation_); }
@@ -37,7 +37,7 @@ class SceneFrames : public FrameSource {
 
   Scene scene_;
   Simulation simulation_;
-  WallDistance wall_distance_;  // where the walls are in the frame
+  WallDistance wall_distance_;  // where walls and bodies are in the frame
 };
 
 }  // namespace kappaflow

@@ -18,9 +18,16 @@ constexpr double kRepairPath = 0.8;  // of a particle from one repair of the mes
 
 /// Lets go of the particles: the solver has a copy of its own.
 FluidSolver make_fluid(const Scene& scene, FluidParticlesAtStart&& particles,
-                       std::span<const SolidWall> walls) {
+                       std::span<const SolidWall> walls, std::span<const RigidBody> bodies) {
   const FluidParticlesAtStart start = std::move(particles);
-  return {scene.fluid, start.position, start.velocity, walls, start.fluid, start.source, start.temperature};
+  return {scene.fluid, start.position, start.velocity,    walls,
+          start.fluid, start.source,   start.temperature, bodies};
+}
+
+std::vector<SolidWall> solids_of(std::span<const RigidBody> bodies) {
+  std::vector<SolidWall> solids;
+  for (const RigidBody& body : bodies) solids.push_back(body.solid);
+  return solids;
 }
 
 /// A cube of liquid of which more than half is further than sigma from the faces. The liquid with which an
@@ -57,7 +64,8 @@ double frame_time(const Scene& scene, int frame) {
 
 Simulation::Simulation(PreparedScene prepared)
     : walls_(std::move(prepared.walls)),
-      fluid_(make_fluid(prepared.scene, std::move(prepared.start), walls_)),
+      bodies_(solids_of(prepared.bodies)),
+      fluid_(make_fluid(prepared.scene, std::move(prepared.start), walls_, prepared.bodies)),
       surfaces_(fluid_.particles(), surface_options(prepared.scene)),
       tracers_(prepared.scene.output.metrics_interval > 0 ? std::span<const Vec3>(surfaces_.mesh().position)
                                                           : std::span<const Vec3>()),
@@ -96,6 +104,20 @@ void Simulation::step_surfaces(Particles now) {
     return true;
   });
   untracked_ = 0;
+}
+
+std::vector<SolidWall> Simulation::solids_at_start() const {
+  std::vector<SolidWall> solids = walls_at(0, walls_);
+  solids.insert(solids.end(), bodies_.begin(), bodies_.end());
+  return solids;
+}
+
+std::vector<SolidWall> Simulation::solids_now() const {
+  std::vector<SolidWall> solids = walls_at(fluid_.time(), walls_);
+  const std::vector<BodyState> states = fluid_.bodies();
+  for (std::size_t b = 0; b < bodies_.size(); ++b)
+    solids.emplace_back(moved(bodies_[b].surface(), states[b].pose));
+  return solids;
 }
 
 SimulationReport Simulation::take_report() {

@@ -52,7 +52,10 @@ class Simulation {
   TrackedSurfaces& surfaces() { return surfaces_; }
   const MaterialTracers& tracers() const { return tracers_; }
   const Field& field() const { return surfaces_.field(); }
-  const std::vector<SolidWall>& walls() const { return walls_; }
+  /// Of walls and bodies.
+  bool solids_move() const { return !bodies_.empty() || any_moves(walls_); }
+  std::vector<SolidWall> solids_at_start() const;  ///< the walls, then the bodies
+  std::vector<SolidWall> solids_now() const;       ///< and at rest there
 
   /// What happened since the last call; the next one starts anew.
   SimulationReport take_report();
@@ -68,6 +71,7 @@ class Simulation {
   void step_surfaces(Particles now);
 
   std::vector<SolidWall> walls_;
+  std::vector<SolidWall> bodies_;  // at t = 0
   FluidSolver fluid_;
   TrackedSurfaces surfaces_;
   MaterialTracers tracers_;

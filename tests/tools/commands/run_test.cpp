@@ -1,4 +1,5 @@
 // Runs of the small staircase from end to end.
+#include <fmt/format.h>
 #include <vtkDataArray.h>
 #include <vtkPointData.h>
 #include <vtk_jsoncpp.h>
@@ -15,6 +16,7 @@
 #include "tests/tools/scratch.h"
 #include "tests/tools/text_table.h"
 #include "tests/vtk_reader.h"
+#include "tools/io/exported_arrays.h"
 #include "tools/runs/metrics.h"
 #include "tools/runs/run_record.h"
 #include "tools/runs/timings.h"
@@ -224,6 +226,69 @@ TEST_F(Run, TemperaturesReachFilesSurfacesAndMetrics) {
   }
   EXPECT_NE(bytes_of(run / "surface-regional/surface.0002.usda").find("primvars:temperature"),
             std::string::npos);
+}
+
+/// Mean of the vertices of a wall of boundary_data().
+Vec3 middle_of_wall(vtkPolyData& boundary, std::size_t wall) {
+  const TriangleSurface surface = exported_walls(boundary).at(wall);
+  Vec3 sum = Vec3::Zero();
+  for (const Vec3& x : surface.vertices) sum += x;
+  return sum / static_cast<double>(surface.vertices.size());
+}
+
+// A ball falls beside the liquid, where nothing holds it: c0 + v0 t - g t^2 / 2, turning at a constant rate.
+TEST_F(Run, BodiesFallAsTableWallsAndScenesSay) {
+  const std::string scene = file("ball.toml", R"(
+duration = 0.1
+[fluid]
+spacing = 0.05
+kinematic_viscosity = 0.1
+[[fluid.block]]
+shape = "box"
+lower = [-0.2, 0, -0.2]
+upper = [0.2, 0.2, 0.2]
+[[wall]]
+shape = "box"
+lower = [-2, -0.2, -2]
+upper = [2, 0, 2]
+[[body]]
+shape = "box"
+lower = [0.9, 0.9, -0.1]
+upper = [1.1, 1.1, 0.1]
+density = 3000
+velocity = [0.5, 1, 0]
+angular_velocity = [0, 0, 5]
+[solver]
+max_time_step = 0.001
+[surface]
+methods = ["normal"]
+[output]
+frames_per_second = 40
+)")
+                                .string();
+  const fs::path run = folder / "run";
+  ASSERT_EQ(run_program({"run", scene, "--out", run.string(), "--format", "usd"}).exit_code, 0);
+  const std::vector<TextRow> rows = read_table(run / "bodies.csv");
+  ASSERT_EQ(rows.size(), 5u);
+  for (std::size_t frame = 0; frame < rows.size(); ++frame) {
+    const auto number = [&](const char* column) { return std::stod(rows[frame].at(column)); };
+    const double t = 0.025 * static_cast<double>(frame);
+    EXPECT_EQ(number("frame"), frame);
+    EXPECT_NEAR(number("time"), t, 1e-12);
+    EXPECT_EQ(rows[frame].at("body"), "0");
+    const Vec3 centre(number("x"), number("y"), number("z"));
+    EXPECT_NEAR((centre - Vec3(1 + 0.5 * t, 1 + t - 0.5 * 9.81 * t * t, 0)).norm(), 0,
+                1e-9 + 9.81 * t * 0.001);
+    EXPECT_NEAR(number("vy"), 1 - 9.81 * t, 1e-6);
+    EXPECT_NEAR(number("wz"), 5, 1e-6);
+    EXPECT_NEAR(number("qz"), std::sin(2.5 * t), 1e-5);
+    EXPECT_NEAR(number("qw"), std::cos(2.5 * t), 1e-5);
+    const auto walls = read_vtp(run / fmt::format("boundary/boundary_{:04}.vtp", frame));
+    EXPECT_NEAR((middle_of_wall(*walls, 1) - centre).norm(), 0, 1e-6);
+    EXPECT_NEAR((middle_of_wall(*walls, 0) - Vec3(0, -0.1, 0)).norm(), 0, 1e-6);
+    EXPECT_NE(bytes_of(run / fmt::format("boundary/boundary.{:04}.usda", frame)).find("wall_1"),
+              std::string::npos);
+  }
 }
 
 }  // namespace

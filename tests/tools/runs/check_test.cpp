@@ -17,15 +17,18 @@ TEST(Check, ASceneThatDoesNotFitIsRefused) {
       << message;
 }
 
-TEST(Check, SaysWhatFlowsInAndOut) {
+TEST(Check, SaysWhatFlowsInAndOutAndWhatBodiesWeigh) {
   const std::string text =
       check_text(prepare(load_scene(KAPPAFLOW_SOURCE_DIR "/tests/data/every_key.toml")), 1);
-  for (const char* line : {"emitter at (6, 0, 0) m, 0.5 to 1.25 m/s towards (0, -1, 0), 0.5 to 1.25 m3/s (16 "
-                           "particles a layer), "
-                           "parabolic profile, moving\n",
-                           "    outflow box from (7, -2, -3) to (8, 2, 3) m\n",
-                           "    outflow sphere of radius 0.7 m at (-9, 1, 2) m\n",
-                           "    outflow cylinder of radius 0.3 m from (9, 0, 0) to (9, 0, 4) m\n"})
+  for (const char* line :
+       {"emitter at (6, 0, 0) m, 0.5 to 1.25 m/s towards (0, -1, 0), 0.5 to 1.25 m3/s (16 "
+        "particles a layer), "
+        "parabolic profile, moving\n",
+        "    body    box from (2, 6, 5) to (3, 7, 6) m, 12.5 kg, friction 0.5, heat flux 50 W/m2\n",
+        "kg (2500 kg/m3), friction 0.25, moving, at 400 K\n",
+        "    outflow box from (7, -2, -3) to (8, 2, 3) m\n",
+        "    outflow sphere of radius 0.7 m at (-9, 1, 2) m\n",
+        "    outflow cylinder of radius 0.3 m from (9, 0, 0) to (9, 0, 4) m\n"})
     EXPECT_NE(text.find(line), std::string::npos) << line << text;
   PreparedScene tilted = prepare(load_scene(KAPPAFLOW_SOURCE_DIR "/scenes/staircase-small.toml"));
   EXPECT_EQ(check_text(tilted, 1).find("gravity"), std::string::npos);

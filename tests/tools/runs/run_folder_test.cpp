@@ -3,9 +3,13 @@
 #include <vtkPoints.h>
 #include <vtkSmartPointer.h>
 
+#include <sstream>
+
 #include "core/errors.h"
+#include "core/saved_state.h"
 #include "tests/tools/scratch.h"
 #include "tools/io/files.h"
+#include "tools/runs/body_rows.h"
 #include "tools/runs/metrics.h"
 #include "tools/runs/timings.h"
 
@@ -88,6 +92,32 @@ TEST_F(RunFolderFiles, MovingWallsAreASeries) {
   again.take_place();
   EXPECT_FALSE(fs::exists(folder / "run/boundary"));
   EXPECT_FALSE(fs::exists(folder / "run/boundary.pvd"));
+}
+
+TEST_F(RunFolderFiles, BodiesHaveATableWhereThereAreSome) {
+  const fs::path table = folder / "run/bodies.csv";
+  std::stringstream state;
+  {
+    RunFolder run(folder / "run", {"total", "curvature"}, false);
+    for (const int frame : {0, 1, 2}) {
+      run.write_particles(frame, point());
+      run.finish_frame(0.1 * frame,
+                       {.metrics = "m\n", .pieces = "p\n", .timings = "t\n", .bodies = "b0\nb1\n"});
+      run.wait();
+      if (frame == 0) StateWriter(state, little_endian())(run);
+    }
+  }
+  EXPECT_EQ(bytes_of(table), bodies_header() + "b0\nb1\nb0\nb1\nb0\nb1\n");
+  {
+    RunFolder resumed(folder / "run");
+    StateReader archive(state);
+    archive(resumed);
+  }
+  EXPECT_EQ(bytes_of(table), bodies_header() + "b0\nb1\n") << "cut back to what it was";
+  file("run/run.json", "{}");
+  RunFolder again(folder / "run", {"total"}, true);
+  again.take_place();
+  EXPECT_FALSE(fs::exists(table));
 }
 
 TEST_F(RunFolderFiles, RefusesAUsedFolderUnlessForced) {

@@ -22,6 +22,14 @@ void expect_same(const Simulation& one, const Simulation& other) {
   EXPECT_EQ(one.fluid().pressures(), other.fluid().pressures());
   EXPECT_EQ(one.fluid().sources(), other.fluid().sources());
   EXPECT_EQ(one.fluid().temperatures(), other.fluid().temperatures());
+  ASSERT_EQ(one.fluid().bodies().size(), other.fluid().bodies().size());
+  for (std::size_t b = 0; b < one.fluid().bodies().size(); ++b) {
+    const BodyState x = one.fluid().bodies()[b], y = other.fluid().bodies()[b];
+    EXPECT_EQ(x.pose.rotation, y.pose.rotation);
+    EXPECT_EQ(x.pose.translation, y.pose.translation);
+    EXPECT_EQ(x.velocity.linear, y.velocity.linear);
+    EXPECT_EQ(x.velocity.angular, y.velocity.angular);
+  }
   EXPECT_EQ(one.particles().position, other.particles().position);
   EXPECT_EQ(one.particles().velocity, other.particles().velocity);
   EXPECT_TRUE(std::ranges::equal(one.tracers().position(), other.tracers().position()));
