@@ -76,7 +76,7 @@ class Run:
 
     @property
     def walls(self) -> Frames[Mesh] | None:
-        """The walls in each frame; `mesh.arrays` is empty. None where there are none."""
+        """The walls and rigid bodies in each frame; `mesh.arrays` is empty. None where there are none."""
         moving, still = self.folder / "boundary.pvd", self.folder / "boundary.vtp"
         if moving.exists():
             return Frames([file for _, file in _series(moving)][:len(self)], _read_mesh)

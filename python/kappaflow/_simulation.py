@@ -52,7 +52,7 @@ class Simulation:
         return mesh_of(self._handle.surface_time, self._handle.surface(methods.index(method)))
 
     def walls(self) -> list[tuple[NDArray[np.float64], NDArray[np.int32]]]:
-        """Vertices (n, 3) [m] and triangles (m, 3) of each wall, where it is now."""
+        """Vertices (n, 3) [m] and triangles (m, 3) of each wall, then of each rigid body, where it is now."""
         return self._handle.walls()
 
     @property
