@@ -170,7 +170,8 @@ bool Walls::is_near(const Body& body, const Vec4f& x) const {
   return (x.head<3>().cast<double>() - centre).squaredNorm() < reach * reach;
 }
 
-Walls::Contact Walls::contact(const Body& body, const Vec4f& x) const {
+/// Also notes which samples of a rigid body are wet.
+Walls::Contact Walls::contact(Body& body, const Vec4f& x) const {
   const bool moving = body.moves();
   const Vec3 world = x.head<3>().cast<double>();
   const Vec4f rest = moving ? padded(body.pose.inverse(world)) : x;
@@ -245,12 +246,12 @@ void Walls::add_to_chunk(std::size_t chunk, FluidParticles& particles, WallSums&
     sums.first[i] = static_cast<std::uint32_t>(found.friction.size());
     const Vec4f x = particles.position[i];
     Contact prescribed;
-    for (const Body& body : bodies_)
+    for (Body& body : bodies_)
       if (!body.rigid) prescribed += contact(body, x);
     add_contact(prescribed, WallSums::kPrescribed, i, particles, found);
     if (!rigid_) continue;
     std::uint32_t number = 0;
-    for (const Body& body : bodies_) {
+    for (Body& body : bodies_) {
       if (!body.rigid) continue;
       if (is_near(body, x)) add_contact(contact(body, x), number, i, particles, found);
       ++number;

@@ -123,7 +123,7 @@ class Walls {
     RigidVelocity velocity;
     double reach = 0;  // largest distance from the motion's point [m]
     bool rigid = false;
-    mutable std::vector<char> wet;  // of a rigid body, by sample: whether liquid is within the support
+    std::vector<char> wet;  // of a rigid body, by sample: whether liquid is within the support
     bool moves() const { return rigid || !motion.at_rest(); }
   };
   struct Contact;
@@ -137,7 +137,7 @@ class Walls {
 
   Body make_body(const WallBody& body) const;
   bool is_near(const Body& body, const Vec4f& x) const;
-  Contact contact(const Body& body, const Vec4f& x) const;
+  Contact contact(Body& body, const Vec4f& x) const;
   void add_to_chunk(std::size_t chunk, FluidParticles& particles, WallSums& sums);
   void add_contact(const Contact& sum, std::uint32_t body, std::size_t i, FluidParticles& particles,
                    Found& found) const;

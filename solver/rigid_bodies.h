@@ -44,7 +44,7 @@ class RigidBodies {
   /// Adds to the velocity of all [m/s].
   void accelerate(const Vec3& change);
 
-  /// Which particles touch which body. After Walls::add_to().
+  /// Which particles touch which body. Evens out their gradients. After Walls::add_to().
   void find_contacts(FluidParticles& particles, const Walls& walls, WallSums& sums);
   std::span<const BodyContact> contacts(std::size_t b) const { return bodies_[b].contacts; }
   /// Writes the bodies' velocities to WallSums::velocity.
@@ -93,6 +93,7 @@ class RigidBodies {
     std::vector<BodyContact> contacts;                           // by particle
   };
 
+  /// Takes `share` of what a uniform pressure would do to the body from its gradients.
   void even_out(std::size_t b, double share, FluidParticles& particles, WallSums& sums);
   Mat3 inertia(const Body& body) const;  // now, over a particle's mass [m2]
 

@@ -15,7 +15,7 @@ struct RigidBody {
   Vec3 velocity{0, 0, 0};          ///< of its centre of mass at t = 0 [m/s]
   Vec3 angular_velocity{0, 0, 0};  ///< at t = 0 [rad/s]
   double friction = 0.5;           ///< Coulomb's, on walls; between two bodies the product of theirs [1]
-  WallHeat heat;                   ///< what it is for the liquid's heat
+  WallHeat heat{};                 ///< what it is for the liquid's heat
 };
 
 /// What the space in a closed surface weighs.

@@ -138,6 +138,26 @@ TEST(WallSamples, OfOverlappingPiecesAreThoseOfTheirUnion) {
   EXPECT_NEAR(density_in_corner(of_pieces), density_in_corner(of_step), 0.01);
 }
 
+// Each triangle of the ends has two edges that are the longest but for rounding.
+TEST(WallSamples, OfADrumWithManySectors) {
+  constexpr int kSectors = 96;
+  TriangleSurface drum;
+  for (const double y : {0.0, -2.0 / 3}) drum.vertices.emplace_back(0, y, 0);
+  for (const double y : {0.0, -2.0 / 3})
+    for (int j = 0; j < kSectors; ++j) {
+      const double angle = 2 * std::numbers::pi * j / kSectors;
+      drum.vertices.emplace_back(14.0 / 3 * std::cos(angle), y, 14.0 / 3 * std::sin(angle));
+    }
+  for (int j = 0; j < kSectors; ++j) {
+    const int a = 2 + j, b = 2 + (j + 1) % kSectors, c = a + kSectors, d = b + kSectors;
+    for (const Triangle& t : {Triangle{0, b, a}, {1, c, d}, {a, b, d}, {a, d, c}})
+      drum.triangles.push_back(t);
+  }
+  const std::vector<SolidWall> walls{SolidWall(drum)};
+  for (const WallSample& sample : sample_walls(walls, 1.0 / 3))
+    EXPECT_NEAR(nearest_of_walls(walls, sample.position).distance, -kWallDepth / 3, 1e-3);
+}
+
 TEST(WallSamples, RejectWallsThatAreTooLargeToCount) {
   const auto walls = solid_walls(std::vector{box_surface({0, 0, 0}, {1e6, 1e6, 1})});
   EXPECT_THROW(sample_walls(walls, kSpacing), InvalidInput);
