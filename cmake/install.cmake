@@ -37,7 +37,7 @@ install(SCRIPT cmake/install_headers.cmake)
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME program)
 install(TARGETS kappaflow)
 install(DIRECTORY scenes DESTINATION share/kappaflow
-        FILES_MATCHING PATTERN "*.toml" PATTERN "*.csv" PATTERN "*.vtp" PATTERN "*.md")
+        FILES_MATCHING PATTERN "*.toml" PATTERN "*.csv" PATTERN "*.vtp" PATTERN "*.obj" PATTERN "*.md")
 install(FILES tools/paraview/open_run.py DESTINATION share/kappaflow/paraview)
 install(FILES tools/blender/picture.py DESTINATION share/kappaflow/blender)
 install(FILES tools/pysph/to_vtk.py DESTINATION share/kappaflow/pysph)

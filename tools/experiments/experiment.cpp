@@ -8,6 +8,7 @@
 #include "core/errors.h"
 #include "core/suggestion.h"
 #include "core/version.h"
+#include "tools/experiments/bodies.h"
 #include "tools/experiments/channel_flow.h"
 #include "tools/experiments/coiling.h"
 #include "tools/experiments/conduction.h"
@@ -198,6 +199,12 @@ std::span<const Experiment> experiments() {
                  "heat enters a layer: Fourier series", validate_conduction},
       Experiment{"validate-cooling", "experiments/validate-cooling.toml",
                  "a sphere cools in the air: series for a Biot number of 1", validate_cooling},
+      Experiment{"validate-floating-box", "experiments/validate-floating-box.toml",
+                 "a box floats: Archimedes' level, and back to it", validate_floating_box},
+      Experiment{"validate-sinking-sphere", "experiments/validate-sinking-sphere.toml",
+                 "a sphere sinks in a jar: Stokes' speed between walls", validate_sinking_sphere},
+      Experiment{"validate-spinning-body", "experiments/validate-spinning-body.toml",
+                 "a body in a drop: momentum and energy of both", validate_spinning_body},
       Experiment{"validate-drop", "experiments/validate-drop.toml",
                  "a spinning drop: linear and angular momentum", validate_drop},
       Experiment{"validate-basin", "experiments/validate-basin.toml",

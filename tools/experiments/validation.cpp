@@ -25,10 +25,13 @@ std::string spacings_text(const Scene& scene, std::span<const double> factors) {
 }
 
 FluidSolver make_liquid(const Scene& scene) {
-  const PreparedScene prepared = prepare(scene);
+  return make_liquid(prepare(scene));
+}
+
+FluidSolver make_liquid(const PreparedScene& prepared) {
   const FluidParticlesAtStart& start = prepared.start;
-  return {scene.fluid, start.position, start.velocity,   prepared.walls,
-          start.fluid, start.source,   start.temperature};
+  return {prepared.scene.fluid, start.position, start.velocity,    prepared.walls,
+          start.fluid,          start.source,   start.temperature, prepared.bodies};
 }
 
 void advance(FluidSolver& liquid, double time, const LiquidWatch& watch) {

@@ -26,8 +26,9 @@ Scene with_spacing(Scene scene, double spacing);
 /// The spacings of a scene with its own times each of these: "0.05 m, 0.025 m".
 std::string spacings_text(const Scene& scene, std::span<const double> factors);
 
-/// The liquid of a scene between its walls, without a surface.
+/// The liquid of a scene between its walls, with its bodies, without a surface.
 FluidSolver make_liquid(const Scene& scene);
+FluidSolver make_liquid(const PreparedScene& prepared);
 
 /// Steps until `time` [s]; calls watch after each step.
 using LiquidWatch = std::function<void(const FluidStep&)>;

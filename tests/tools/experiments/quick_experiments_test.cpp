@@ -309,6 +309,23 @@ TEST_F(QuickExperiment, ValidateSlump) {
   EXPECT_LT(value({{"yield_stress", "0.15"}}, "creep"), 0.005);
 }
 
+TEST_F(QuickExperiment, ValidateFloatingBox) {
+  run("validate-floating-box");
+  EXPECT_LT(value({{"spacing", "0.05"}}, "error"), 0.25);
+  EXPECT_LT(value({{"spacing", "0.05"}}, "tilt"), 0.05);
+}
+
+TEST_F(QuickExperiment, ValidateSinkingSphere) {
+  run("validate-sinking-sphere");
+  EXPECT_NEAR(value({{"spacing", "0.0025"}}, "error"), 0, 0.25);
+}
+
+TEST_F(QuickExperiment, ValidateSpinningBody) {
+  run("validate-spinning-body");
+  EXPECT_LT(value({}, "linear"), 1e-5);
+  EXPECT_LT(value({}, "angular"), 1e-5);
+}
+
 TEST_F(QuickExperiment, ValidateConduction) {
   run("validate-conduction");
   EXPECT_LT(value({{"spacing", "0.1"}}, "error"), 0.02);
