@@ -114,7 +114,7 @@ std::vector<Problem> make_problems(const ProblemOptions& options, const Experime
   const std::filesystem::path folder = context.file.parent_path();
   for (const char* file : {"fig4.toml", "body.toml"}) {
     const RigidExperiment rigid = read_rigid_experiment(folder / file, false);
-    for (const RigidBody& body : rigid.bodies) {
+    for (const TrackedBody& body : rigid.bodies) {
       RigidParticles motion(body.particles, body.threshold, rigid.motion, 0, 1);
       const auto field = motion.at(0);
       const TriangleMesh mesh = initial_mesh(*field, options.edge_length, {});

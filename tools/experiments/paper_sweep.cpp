@@ -164,7 +164,7 @@ RigidExperiment rigid_experiment(const PaperSweep& sweep, const PaperSetting& s)
   experiment.tracker.velocity.damping = s.damping / (s.sigma * s.sigma);
   experiment.tracker.fairing.moves = s.fairing_moves;
   experiment.tracker.fairing.relaxation = s.fairing_relaxation;
-  RigidBody body{fmt::format("{} on a circle of {} sigma", sweep.particles, s.radius),
+  TrackedBody body{fmt::format("{} on a circle of {} sigma", sweep.particles, s.radius),
                  {},
                  s.threshold,
                  s.edge_length * s.sigma};
@@ -182,7 +182,7 @@ RigidExperiment rigid_experiment(const PaperSweep& sweep, const PaperSetting& s)
 PaperErrors errors_of(const PaperSweep& sweep, const PaperSetting& s, const VelocityFunction& velocity,
                       const std::string& file) {
   const RigidExperiment experiment = rigid_experiment(sweep, s);
-  const RigidBody& body = experiment.bodies.front();
+  const TrackedBody& body = experiment.bodies.front();
   RigidCase c{&body, "", s.integrator, s.fairing_iterations, 0, {}, {}};
   run_rigid_case(experiment, start_mesh(experiment, body, file), velocity, c);
   PaperErrors errors;

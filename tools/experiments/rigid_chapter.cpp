@@ -98,7 +98,7 @@ Plot error_over_turns(const std::string& title, const std::vector<const RigidCas
 Statement regional_follows(const Chapter& chapter) {
   std::vector<Check> checks;
   checks.reserve(chapter.experiment.bodies.size());
-  for (const RigidBody& body : chapter.experiment.bodies)
+  for (const TrackedBody& body : chapter.experiment.bodies)
     checks.push_back(
         at_most(body.name,
                 find_case(chapter.cases, body.name, "regional", chapter.experiment.integrators.front(), 0)

@@ -43,7 +43,7 @@ RigidSample sample(const TriangleMesh& mesh, const SteadyMotion& motion, double 
 
 }  // namespace
 
-TriangleMesh start_mesh(const RigidExperiment& experiment, const RigidBody& body, const std::string& file) {
+TriangleMesh start_mesh(const RigidExperiment& experiment, const TrackedBody& body, const std::string& file) {
   RigidParticles at_start(body.particles, body.threshold, experiment.motion, 0, 1);
   TriangleMesh mesh = initial_mesh(*at_start.at(0), body.edge_length, experiment.tracker.projection);
   if (mesh.triangles.empty())
@@ -90,7 +90,7 @@ double RigidCase::max_over_run() const {
 std::vector<RigidCase> run_rigid_experiment(const RigidExperiment& experiment,
                                             const ExperimentContext& context) {
   std::vector<RigidCase> cases;
-  for (const RigidBody& body : experiment.bodies) {
+  for (const TrackedBody& body : experiment.bodies) {
     const TriangleMesh start = start_mesh(experiment, body, context.file.string());
     for (const TimeIntegrator integrator : experiment.integrators)
       for (const int fairing : experiment.fairing_iterations)

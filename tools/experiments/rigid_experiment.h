@@ -15,7 +15,7 @@
 
 namespace kappaflow {
 
-struct RigidBody {
+struct TrackedBody {
   std::string name;
   FieldParticles particles;  ///< at t = 0
   double threshold = 0;      ///< T of Eq. 12
@@ -28,7 +28,7 @@ struct RigidExperiment {
   std::string title;
   SteadyMotion motion;
   int cycles = 1, steps_per_cycle = 1;
-  std::vector<RigidBody> bodies;
+  std::vector<TrackedBody> bodies;
   std::vector<std::string> methods;
   std::vector<TimeIntegrator> integrators;
   std::vector<int> fairing_iterations;
@@ -52,7 +52,7 @@ struct RigidSample {
 
 /// One combination, tracked to the end.
 struct RigidCase {
-  const RigidBody* body = nullptr;
+  const TrackedBody* body = nullptr;
   std::string method;
   TimeIntegrator integrator = TimeIntegrator::rk4;
   int fairing_iterations = 0;
@@ -69,7 +69,7 @@ struct RigidCase {
 };
 
 /// The body's mesh at the start. Throws InvalidInput with the file's name where it has no surface.
-TriangleMesh start_mesh(const RigidExperiment& experiment, const RigidBody& body, const std::string& file);
+TriangleMesh start_mesh(const RigidExperiment& experiment, const TrackedBody& body, const std::string& file);
 
 /// Tracks one combination with that velocity, which c.method names, and fills in size, samples and kept.
 void run_rigid_case(const RigidExperiment& experiment, const TriangleMesh& start,

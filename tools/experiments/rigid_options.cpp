@@ -13,8 +13,8 @@ namespace {
 constexpr double kMaxSize = 1e3;  // [m] of a body and of its motion
 constexpr int kMaxCount = 100000;
 
-RigidBody read_body(TomlTable t) {
-  RigidBody body;
+TrackedBody read_body(TomlTable t) {
+  TrackedBody body;
   body.name = t.text("name");
   body.threshold = t.number("threshold", positive("", 100));
   for (TomlTable& particle : t.tables("particle", true)) {
@@ -101,7 +101,7 @@ RigidExperiment read_rigid_experiment(const std::filesystem::path& file, bool qu
     experiment = quick_experiment;
     edge_length = quick_edge_length;
   }
-  for (RigidBody& body : experiment.bodies) body.edge_length = edge_length;
+  for (TrackedBody& body : experiment.bodies) body.edge_length = edge_length;
   for (const int cycle : experiment.picture_cycles)
     if (cycle > experiment.cycles)
       throw InvalidInput({file.string()}, fmt::format("picture_cycles names {}, but there are {} turns",

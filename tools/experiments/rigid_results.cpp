@@ -102,7 +102,7 @@ void draw_rigid_meshes(const RigidExperiment& experiment, const std::vector<cons
 
 std::string rigid_setting(const RigidExperiment& experiment) {
   std::string text;
-  for (const RigidBody& body : experiment.bodies)
+  for (const TrackedBody& body : experiment.bodies)
     text += fmt::format("Body *{}*: {} particle{}, threshold {}, mesh edges {} m. ", body.name,
                         body.particles.position.size(), body.particles.position.size() == 1 ? "" : "s",
                         body.threshold, body.edge_length);

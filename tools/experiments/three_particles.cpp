@@ -35,7 +35,7 @@ struct TotalAndCurvature {
 
 std::vector<TotalAndCurvature> total_and_curvature(const Chapter& chapter) {
   std::vector<TotalAndCurvature> errors;
-  for (const RigidBody& body : chapter.experiment.bodies)
+  for (const TrackedBody& body : chapter.experiment.bodies)
     for (const int fairing : chapter.experiment.fairing_iterations) {
       const auto of = [&](const char* method) -> const RigidCase& {
         return find_case(chapter.cases, body.name, method, chapter.experiment.integrators.front(), fairing);
@@ -93,7 +93,7 @@ void judge_three_particles(const PaperFigures& paper, Chapter& chapter) {
 std::vector<Plot> plots_over_fairing(const Chapter& chapter, const std::string& label,
                                      const std::function<double(const RigidCase&)>& value) {
   std::vector<Plot> plots;
-  for (const RigidBody& body : chapter.experiment.bodies) {
+  for (const TrackedBody& body : chapter.experiment.bodies) {
     Plot plot{body.name, "fairing iterations a step", label, {}};
     for (const std::string& method : chapter.experiment.methods) {
       Curve curve = method_curve(method);
@@ -117,7 +117,7 @@ Report experiment_fig4(const ExperimentContext& context) {
   judge_three_particles(paper_figures(context), chapter);
   chapter.report.statements.push_back(regional_follows(chapter));
   std::vector<Plot> plots;
-  for (const RigidBody& body : chapter.experiment.bodies) {
+  for (const TrackedBody& body : chapter.experiment.bodies) {
     const int fairing = chapter.experiment.fairing_iterations.back();
     const auto cases = select(chapter.cases, [&](const RigidCase& c) {
       return c.body == &body && c.fairing_iterations == fairing;
