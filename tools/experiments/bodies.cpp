@@ -15,16 +15,16 @@ namespace kappaflow {
 namespace {
 
 // Walls are irregular, and liquid fills what room they leave.
-constexpr double kDraughtLimit = 0.25;   // [spacings]
-constexpr double kSwingLimit = 0.25;     // what is left of the first swing in the last quarter [1]
-constexpr double kTiltLimit = 0.05;      // [rad]
+constexpr double kDraughtLimit = 0.25;  // [spacings]
+constexpr double kSwingLimit = 0.25;    // what is left of the first swing in the last quarter [1]
+constexpr double kTiltLimit = 0.05;     // [rad]
 // Half a spacing of liquid around it that no neighbour shears counts for the sphere: it is as if its radius
 // were larger by about a tenth.
 constexpr double kSpeedLimit = 0.25;  // of the mean speed, relative to the known one
 constexpr double kDriftLimit = 0.1;   // of the path, across the axis over that along it
 // Single precision rounds by 6e-8; some hundred steps all to one side would add up to 1e-5.
-constexpr double kMomentumLimit = 1e-5;  // relative to the sum of all momenta's lengths
-constexpr double kEnergyLimit = 0.01;    // what it rises by, relative to the kinetic energy at first
+constexpr double kJointMomentumLimit = 1e-5;  // relative to the sum of all momenta's lengths
+constexpr double kEnergyLimit = 0.01;         // what it rises by, relative to the kinetic energy at first
 
 const Claim kFloatsAtArchimedesLevel{
     "Archimedes", "A body sinks in until it displaces its weight.",
@@ -44,12 +44,12 @@ double edge(const BoxShape& box, int axis) {
 }
 
 /// Sums over the liquid and the body.
-struct Momenta {
+struct JointMomenta {
   Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
   double lengths = 0, arms = 0;  // of the momenta, and of their moments
   double kinetic = 0, energy = 0;
 
-  Momenta(const FluidSolver& liquid, const FluidOptions& fluid, const RigidBody& body) {
+  JointMomenta(const FluidSolver& liquid, const FluidOptions& fluid, const RigidBody& body) {
     const Particles p = liquid.particles();
     const double mass = fluid.density * std::pow(fluid.spacing, 3);
     for (std::size_t i = 0; i < p.size(); ++i) add(mass, p.position[i], p.velocity[i], fluid.gravity);
@@ -78,7 +78,7 @@ struct Momenta {
 /// The largest rise of the energy above its least value before.
 class EnergyWatch {
  public:
-  explicit EnergyWatch(const Momenta& first) : kinetic_(first.kinetic), least_(first.energy) {}
+  explicit EnergyWatch(const JointMomenta& first) : kinetic_(first.kinetic), least_(first.energy) {}
   void add(double energy) {
     rise_ = std::max(rise_, energy - least_);
     least_ = std::min(least_, energy);
@@ -106,17 +106,16 @@ FloatResult run_float(const Scene& scene) {
   const double volume = static_cast<double>(liquid.size()) * std::pow(scene.fluid.spacing, 3),
                known = *scene.bodies.front().density / scene.fluid.density * height;
   FloatResult r{scene.fluid.spacing, liquid.size(), {}};
-  EnergyWatch energy(Momenta(liquid, scene.fluid, prepared.bodies.front()));
+  EnergyWatch energy(JointMomenta(liquid, scene.fluid, prepared.bodies.front()));
   double largest = 0, mean = 0;
   int count = 0;
   advance(liquid, scene.duration, [&](const FluidStep&) {
-    const double bottom =
-        liquid.bodies().front().velocity.point.y() - height / 2 - basin.lower.y();
+    const double bottom = liquid.bodies().front().velocity.point.y() - height / 2 - basin.lower.y();
     const double draught = (volume - area * bottom) / (area - section), swing = std::abs(draught - known);
     r.draught.emplace_back(liquid.time(), draught / height);
     largest = std::max(largest, swing);
     if (liquid.time() > 0.75 * scene.duration) r.swing = std::max(r.swing, swing);
-    energy.add(Momenta(liquid, scene.fluid, prepared.bodies.front()).energy);
+    energy.add(JointMomenta(liquid, scene.fluid, prepared.bodies.front()).energy);
     if (liquid.time() < 0.5 * scene.duration) return;
     mean += draught;
     ++count;
@@ -145,7 +144,7 @@ struct SinkResult {
 };
 
 /// The sphere is a wall for a while, then a body.
-SinkResult run_sphere(const Scene& scene, double known) {
+SinkResult run_sinking(const Scene& scene, double known) {
   PreparedScene prepared = prepare(scene);
   const double radius = std::get<SphereShape>(scene.bodies.front().shape).radius;
   {
@@ -173,10 +172,6 @@ SinkResult run_sphere(const Scene& scene, double known) {
   r.error = (whole.y() - half.y()) / (whole.x() - half.x()) / known - 1;
   r.drift /= whole.y();
   return r;
-}
-
-std::string at_spacing(double spacing) {
-  return fmt::format("spacing {:.3g} m", spacing);
 }
 
 }  // namespace
@@ -226,9 +221,11 @@ Report validate_sinking_sphere(const ExperimentContext& context) {
   const auto& block = std::get<BoxShape>(scene.blocks.front().shape);
   const double ratio = sphere.radius / (edge(block, 0) / 2), g = scene.fluid.gravity.norm(),
                excess = *scene.bodies.front().density / scene.fluid.density - 1;
-  const double stokes = 2.0 / 9 * excess * g * sphere.radius * sphere.radius / scene.fluid.kinematic_viscosity,
+  const double stokes =
+                   2.0 / 9 * excess * g * sphere.radius * sphere.radius / scene.fluid.kinematic_viscosity,
                known = stokes / wall_correction(ratio);
-  const std::vector<double> whole{1, 2.0 / 3, 0.5}, factors = context.options.quick ? std::vector{1.0} : whole;
+  const std::vector<double> whole{1, 2.0 / 3, 0.5},
+      factors = context.options.quick ? std::vector{1.0} : whole;
   Plot plot{"A sphere sinks in a jar", "path / radius", "speed / known speed", {}};
   std::vector<std::vector<double>> rows, speeds;
   std::vector<Check> checks;
@@ -237,7 +234,7 @@ Report validate_sinking_sphere(const ExperimentContext& context) {
     const Scene refined = with_spacing(scene, factor * scene.fluid.spacing);
     const std::string at = at_spacing(refined.fluid.spacing);
     context.say(at);
-    const SinkResult r = run_sphere(refined, known);
+    const SinkResult r = run_sinking(refined, known);
     plot.curves.push_back({at, r.speed, Look::points});
     rows.push_back({r.spacing, static_cast<double>(r.particles), r.error, r.drift});
     checks.push_back(at_most("speed, " + at, std::abs(r.error), kSpeedLimit));
@@ -268,13 +265,13 @@ Report validate_spinning_body(const ExperimentContext& context) {
   const PreparedScene prepared = prepare(scene);
   FluidSolver liquid = make_liquid(prepared);
   const RigidBody& body = prepared.bodies.front();
-  const Momenta first(liquid, scene.fluid, body);
+  const JointMomenta first(liquid, scene.fluid, body);
   EnergyWatch energy(first);
   const double duration = context.options.quick ? scene.duration / 3 : scene.duration;
   std::vector<std::vector<double>> rows;
   double linear = 0, angular = 0;
   advance(liquid, duration, [&](const FluidStep&) {
-    const Momenta now(liquid, scene.fluid, body);
+    const JointMomenta now(liquid, scene.fluid, body);
     linear = (now.linear - first.linear).norm() / first.lengths;
     angular = (now.angular - first.angular).norm() / first.arms;
     energy.add(now.energy);
@@ -287,19 +284,20 @@ Report validate_spinning_body(const ExperimentContext& context) {
   Report report;
   report.name = context.name;
   report.title = scene.title;
-  report.introduction =
-      fmt::format("`{}`: {:.3g} s of a body that moves and turns in a drop without weight.",
-                  context.file.filename().string(), duration);
+  report.introduction = fmt::format("`{}`: {:.3g} s of a body that moves and turns in a drop without weight.",
+                                    context.file.filename().string(), duration);
   add_smaller(report, "duration", fmt::format("{:.3g} s", duration), fmt::format("{:.3g} s", scene.duration));
-  report.statements = {judged(kKeepsMomentum, {at_most("linear", linear, kMomentumLimit),
-                                               at_most("angular", angular, kMomentumLimit)}),
+  report.statements = {judged(kKeepsMomentum, {at_most("linear", linear, kJointMomentumLimit),
+                                               at_most("angular", angular, kJointMomentumLimit)}),
                        judged(kMakesNoEnergy, {at_most("rise", energy.relative_rise(), kEnergyLimit)})};
   std::vector<Vec2> of_linear, of_angular;
   for (const auto& row : rows) {
     of_linear.emplace_back(row[0], row[1]);
     of_angular.emplace_back(row[0], row[2]);
   }
-  const Plot plot{"Momentum of body and drop", "time [s]", "change / sum of lengths",
+  const Plot plot{"Momentum of body and drop",
+                  "time [s]",
+                  "change / sum of lengths",
                   {{"linear", of_linear, Look::line}, {"angular", of_angular, Look::line}}};
   add_plots(report, context, context.name, std::vector{plot}, "Change of the momenta since the start.");
   report.files = {"summary.csv", "momenta.csv"};

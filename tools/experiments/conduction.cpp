@@ -174,10 +174,6 @@ double biot_number(const Scene& scene) {
          heat.fluids.front().conductivity;
 }
 
-std::string at_spacing(double spacing) {
-  return fmt::format("spacing {:.3g} m", spacing);
-}
-
 }  // namespace
 
 Report validate_conduction(const ExperimentContext& context) {

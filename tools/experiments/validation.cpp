@@ -24,6 +24,10 @@ std::string spacings_text(const Scene& scene, std::span<const double> factors) {
   return fmt::format("{}", fmt::join(spacings, ", "));
 }
 
+std::string at_spacing(double spacing) {
+  return fmt::format("spacing {:.3g} m", spacing);
+}
+
 FluidSolver make_liquid(const Scene& scene) {
   return make_liquid(prepare(scene));
 }

@@ -26,6 +26,9 @@ Scene with_spacing(Scene scene, double spacing);
 /// The spacings of a scene with its own times each of these: "0.05 m, 0.025 m".
 std::string spacings_text(const Scene& scene, std::span<const double> factors);
 
+/// "spacing 0.05 m"
+std::string at_spacing(double spacing);
+
 /// The liquid of a scene between its walls, with its bodies, without a surface.
 FluidSolver make_liquid(const Scene& scene);
 FluidSolver make_liquid(const PreparedScene& prepared);
