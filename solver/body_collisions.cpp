@@ -153,16 +153,18 @@ BodyCollisions& BodyCollisions::operator=(BodyCollisions&&) noexcept = default;
 std::unique_ptr<btRigidBody> BodyCollisions::World::wall_at(Wall& wall, double time, double dt) const {
   btRigidBody::btRigidBodyConstructionInfo info(0, nullptr, wall.shape.shape.get());
   info.m_friction = 1;
-  const auto transform_at = [&](double t) {
-    const RigidPose pose = wall.motion.pose(t);
-    return btTransform(in_bullet(Eigen::Quaterniond(pose.rotation)), in_bullet(pose.translation / spacing));
+  const RigidPose now = wall.motion.pose(time), next = wall.motion.pose(time + dt);
+  const auto transform = [&](const Mat3& rotation, const Vec3& translation) {
+    return btTransform(in_bullet(Eigen::Quaterniond(rotation)), in_bullet(translation / spacing));
   };
-  info.m_startWorldTransform = transform_at(time + dt);
+  info.m_startWorldTransform = transform(now.rotation, now.translation);
   auto result = std::make_unique<btRigidBody>(info);
   if (!wall.motion.at_rest()) {
-    // Its velocity is how it gets from one to the other in the step.
+    // Bullet takes the velocity from where it was a step ago: as far back as it will go on in this one.
+    const Mat3 back = (next.rotation * now.rotation.transpose()).transpose();
     result->setCollisionFlags(result->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
-    result->setInterpolationWorldTransform(transform_at(time));
+    result->setInterpolationWorldTransform(
+        transform(back * now.rotation, 2 * now.translation - next.translation));
     result->setActivationState(DISABLE_DEACTIVATION);
   }
   return result;
@@ -185,6 +187,8 @@ std::unique_ptr<btRigidBody> BodyCollisions::World::body_at(std::size_t b, const
 
 void BodyCollisions::move(RigidBodies& bodies, double time, double dt) {
   World& w = *world_;
+  bodies.forget_contact(dt);
+  std::vector<std::unique_ptr<btRigidBody>> objects;  // the bodies first; they outlive the world
   btCollisionDispatcher dispatcher(&w.configuration);
   btGImpactCollisionAlgorithm::registerAlgorithm(&dispatcher);
   btDbvtBroadphase broadphase;
@@ -197,7 +201,6 @@ void BodyCollisions::move(RigidBodies& bodies, double time, double dt) {
   info.m_splitImpulsePenetrationThreshold = 0;
   info.m_erp2 = kOverlapTaken;
 
-  std::vector<std::unique_ptr<btRigidBody>> objects;  // the bodies first
   for (std::size_t b = 0; b < bodies.size(); ++b) objects.push_back(w.body_at(b, bodies));
   for (World::Wall& wall : w.walls) objects.push_back(w.wall_at(wall, time, dt));
   for (std::size_t k = 0; k < objects.size(); ++k) {
@@ -224,7 +227,7 @@ void BodyCollisions::move(RigidBodies& bodies, double time, double dt) {
       rigid::Vector6 motion;
       motion.head<3>() = velocity;
       motion.tail<3>() = angular;
-      bodies.set_motion(b, motion);
+      bodies.note_contact(b, motion, dt);
       bodies.move(b, dt, path - dt * velocity, turn - dt * angular);
     } else {
       bodies.move(b, dt);

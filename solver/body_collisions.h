@@ -10,8 +10,9 @@
 namespace kappaflow {
 
 /// Moves the bodies, so that they do not pass through walls or each other: contacts without restitution, with
-/// Coulomb's friction. A convex surface collides as what it encloses, any other as its triangles. Every step
-/// has contacts of its own, nothing is kept from one to the next: a run that resumes is the same run.
+/// Coulomb's friction. A convex surface collides as what it encloses, any other as its triangles. Bullet's
+/// world is made anew in every step, and what contacts gave a body stands in RigidBodies: a run that resumes
+/// is the same run.
 class BodyCollisions {
  public:
   BodyCollisions(const RigidBodies& bodies, std::span<const SolidWall> walls, double spacing);

@@ -31,6 +31,12 @@ constexpr float kVolumeRatio = 8;
 // Smaller distances from a wall's particle are taken for this one, in spacings: friction has no bound.
 constexpr float kLeastWallDistance = 1e-3f;
 
+/// Several threads may do so.
+void note_wet(char& wet) {
+  std::atomic_ref shared(wet);
+  if (shared.load(std::memory_order_relaxed) == 0) shared.store(1, std::memory_order_relaxed);
+}
+
 /// Sum of the kernel over a square lattice in a plane through one of its points. A wall of such particles
 /// with volumes spacing^3 continues a cubic lattice of liquid without a jump in density.
 float square_lattice_sum(const CubicSpline& kernel, float spacing) {
@@ -189,7 +195,7 @@ Walls::Contact Walls::contact(Body& body, const Vec4f& x) const {
       const float r = std::sqrt(r2), volume = body.position[b][3];
       const float friction = volume / std::max(r, kLeastWallDistance * spacing_);
       sum.touches = true;
-      if (body.rigid) std::atomic_ref(body.wet[b]).store(1, std::memory_order_relaxed);
+      if (body.rigid) note_wet(body.wet[b]);
       sum.density += volume * kernel_.value(r);
       sum.gradient += volume * kernel_.gradient_factor(r) * d;
       sum.friction += friction;

@@ -184,7 +184,7 @@ FluidSolver::FluidSolver(const FluidOptions& options, std::span<const Vec3> posi
   check_temperatures(temperature, position.size(), options);
   const std::vector<WallHeat> rules = options.heat ? options.heat->walls : std::vector<WallHeat>();
   RigidBodies rigid(bodies, options.density, options.spacing);
-  BodyCollisions collisions(rigid, walls, options.spacing);
+  BodyCollisions collisions(rigid, rigid.none() ? std::span<const SolidWall>() : walls, options.spacing);
   state_ = std::make_unique<State>(
       options, Walls(wall_bodies(walls, rules, bodies, options.spacing), static_cast<float>(options.spacing)),
       std::move(rigid), std::move(collisions));
@@ -219,7 +219,7 @@ FluidStep FluidSolver::step(double time_left) {
   done.heat_from_air = heat.from_air;
   const Vec3 gravity = s.gravity.mean(s.time, s.time + done.time_step);
   accelerate(s.particles, padded(gravity), dt);
-  s.bodies.accelerate(done.time_step * gravity);
+  s.bodies.accelerate(gravity, done.time_step);
   s.tension.apply(s.particles, s.neighbours, dt);
   s.pressure.apply_last(s.particles, s.neighbours, dt, s.coupling());
   const bool thick = s.viscous_pressure.needed();
@@ -339,6 +339,12 @@ double FluidSolver::State::time_step(double time_left) const {
 }
 
 void FluidSolver::State::check_finite() const {
+  if (!std::isfinite(bodies.fastest()))
+    throw SolverFailure(
+        time, steps + 1, fastest_particle(particles),
+        fmt::format("the velocity of a rigid body is not finite; try a smaller cfl (now {}) or "
+                    "max_time_step (now {} s)",
+                    options.cfl, options.max_time_step));
   if (std::isfinite(fastest_speed(particles))) return;
   throw SolverFailure(
       time, steps + 1, fastest_particle(particles),
@@ -386,7 +392,8 @@ void FluidSolver::State::check_pressure(const PressureSolve& solve, const char* 
 }
 
 void FluidSolver::State::check_motion(double time_step) const {
-  const double spacings = fastest_speed(particles) * time_step / options.spacing;
+  const double speed = std::max(fastest_speed(particles), bodies.fastest()),
+               spacings = speed * time_step / options.spacing;
   if (spacings <= kFailedMotion) return;
   throw SolverFailure(
       time, steps + 1, fastest_particle(particles),

@@ -17,6 +17,10 @@ using rigid::Vector6;
 
 // Share of a body's surface that is wet from which on it begins to count as all of it.
 constexpr double kNearlyWet = 0.9;
+// With fewer contacts a body of a few spacings is among spray, not in liquid.
+constexpr std::size_t kFewestContacts = 24;
+// Bullet's largest.
+constexpr double kMostFriction = 10;
 
 /// The rotation by |turn| [rad] about it.
 Eigen::Quaterniond rotation_by(const Vec3& turn) {
@@ -30,7 +34,8 @@ void check(const RigidBody& body) {
     throw InvalidInput(fmt::format("a body's {} = {}; must be {}", what, value, allowed));
   };
   if (!(body.mass > 0) || !std::isfinite(body.mass)) refuse("mass", body.mass, "above 0 kg");
-  if (!(body.friction >= 0) || !std::isfinite(body.friction)) refuse("friction", body.friction, "at least 0");
+  if (!(body.friction >= 0 && body.friction <= kMostFriction))
+    refuse("friction", body.friction, "from 0 to 10");
   if (!body.velocity.allFinite()) refuse("velocity", body.velocity.norm(), "finite");
   if (!body.angular_velocity.allFinite()) refuse("angular velocity", body.angular_velocity.norm(), "finite");
   if (!body.solid.motion().at_rest())
@@ -68,6 +73,7 @@ RigidBodies::Body::Body(const RigidBody& described_, double particle)
       centre(weight.centre) {
   motion.head<3>() = described.velocity;
   motion.tail<3>() = described.angular_velocity;
+  for (const Vec3& x : described.solid.surface().vertices) reach = std::max(reach, (x - centre).norm());
 }
 
 RigidBodies::RigidBodies(std::span<const RigidBody> bodies, double density, double spacing) {
@@ -105,8 +111,33 @@ void RigidBodies::move(std::size_t b, double dt, const Vec3& shift, const Vec3& 
   body.motion.tail<3>() = inertia(body).inverse() * momentum;
 }
 
-void RigidBodies::accelerate(const Vec3& change) {
-  for (Body& body : bodies_) body.motion.head<3>() += change;
+void RigidBodies::accelerate(const Vec3& gravity, double dt) {
+  for (Body& body : bodies_) {
+    body.motion.head<3>() += dt * gravity;
+    body.motion += dt * body.contact;
+  }
+}
+
+void RigidBodies::forget_contact(double dt) {
+  for (Body& body : bodies_) {
+    body.motion -= dt * body.contact;
+    body.contact.setZero();
+  }
+}
+
+void RigidBodies::note_contact(std::size_t b, const Vector6& motion, double dt) {
+  Body& body = bodies_[b];
+  body.contact = (motion - body.motion) / dt;
+  body.motion = motion;
+}
+
+double RigidBodies::fastest() const {
+  double speed = 0;
+  for (const Body& body : bodies_) {
+    const double own = body.motion.head<3>().norm() + body.motion.tail<3>().norm() * body.reach;
+    speed = std::isfinite(own) ? std::max(speed, own) : kInfinity;
+  }
+  return speed;
 }
 
 void RigidBodies::find_contacts(FluidParticles& particles, const Walls& walls, WallSums& sums) {
@@ -130,7 +161,7 @@ void RigidBodies::find_contacts(FluidParticles& particles, const Walls& walls, W
 
 void RigidBodies::even_out(std::size_t b, double share, FluidParticles& particles, WallSums& sums) {
   const std::span<const BodyContact> contacts = bodies_[b].contacts;
-  if (!(share > 0)) return;
+  if (!(share > 0) || contacts.size() < kFewestContacts) return;
   const auto gradient = [&](const BodyContact& c) -> Vec3 {
     return sums.gradient[c.contact].head<3>().cast<double>();
   };

@@ -41,8 +41,16 @@ class RigidBodies {
   const RigidBody& described(std::size_t b) const { return bodies_[b].described; }
   const MassProperties& weight(std::size_t b) const { return bodies_[b].weight; }
 
-  /// Adds to the velocity of all [m/s].
-  void accelerate(const Vec3& change);
+  /// Adds to the velocities what gravity [m/s2] does in dt [s], and what contacts did in the last step: else
+  /// a body that rests on a wall would begin each step in free fall, and thick liquid flow with it.
+  void accelerate(const Vec3& gravity, double dt);
+  /// Takes the contacts' part away again, before those of this step are found.
+  void forget_contact(double dt);
+  /// The motion after its contacts, which accelerate() takes up in the next step.
+  void note_contact(std::size_t b, const rigid::Vector6& motion, double dt);
+
+  /// Upper bound of the speed of any point of a body; infinite when one is not finite [m/s].
+  double fastest() const;
 
   /// Which particles touch which body. Evens out their gradients. After Walls::add_to().
   void find_contacts(FluidParticles& particles, const Walls& walls, WallSums& sums);
@@ -76,7 +84,7 @@ class RigidBodies {
   /// See core/saved_state.h.
   template <class Archive>
   void serialize(Archive& archive) {
-    for (Body& body : bodies_) archive(body.centre, body.turned.coeffs(), body.motion);
+    for (Body& body : bodies_) archive(body.centre, body.turned.coeffs(), body.motion, body.contact);
   }
 
  private:
@@ -89,7 +97,9 @@ class RigidBodies {
     Vec3 centre;                                                 // of mass, now [m]
     Eigen::Quaterniond turned = Eigen::Quaterniond::Identity();  // from its attitude at t = 0
     rigid::Vector6 motion = rigid::Vector6::Zero();              // velocity, angular velocity
-    rigid::Vector6 push = rigid::Vector6::Zero();                // their rates
+    rigid::Vector6 push = rigid::Vector6::Zero();                // their rates by pressure
+    rigid::Vector6 contact = rigid::Vector6::Zero();             // and by the last step's contacts
+    double reach = 0;                                            // of its points from the centre [m]
     std::vector<BodyContact> contacts;                           // by particle
   };
 

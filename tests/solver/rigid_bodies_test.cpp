@@ -274,7 +274,7 @@ struct Alone {
   void advance(double duration, const Vec3& gravity = {0, -9.81, 0}) {
     const double dt = 2e-3;
     for (const double end = time + duration; time < end - dt / 2; time += dt) {
-      bodies.accelerate(dt * gravity);
+      bodies.accelerate(gravity, dt);
       collisions.move(bodies, time, dt);
     }
   }
@@ -377,7 +377,7 @@ TEST(BodyCollisions, MovingWallsPushThem) {
   BodyCollisions collisions(bodies, walls, kSpacing);
   const double dt = 2e-3;
   for (int k = 0; k < 1000; ++k) {
-    bodies.accelerate(dt * Vec3(0, -9.81, 0));
+    bodies.accelerate({0, -9.81, 0}, dt);
     collisions.move(bodies, k * dt, dt);
   }
   EXPECT_NEAR(bodies.state(0).velocity.linear.x(), 0.5, 1e-2);
