@@ -14,7 +14,7 @@ namespace kappaflow {
 namespace {
 
 constexpr double kMaxMass = 1e12;      // [kg]
-constexpr double kMaxFriction = 1000;  // [1]
+constexpr double kMaxFriction = 10;  // [1]
 
 StairsShape read_stairs(TomlTable& t) {
   StairsShape stairs;

@@ -384,6 +384,44 @@ TEST(BodyCollisions, MovingWallsPushThem) {
   EXPECT_NEAR(bodies.state(0).velocity.point.x(), -0.5 + 0.5 * 2 + 0.2, 0.1 * kSpacing);
 }
 
+// However fast: a step's way is a good part of a spacing, and the wall's surface where it is after the step.
+TEST(BodyCollisions, FastWallsPushThemNoFurtherThanTheyGo) {
+  BodyMotion motion;
+  motion.keys = {{0, {0, -1, 0}, 0}};
+  const double dt = 0.4 * kSpacing;
+  const std::vector<SolidWall> walls{SolidWall(kFloor.front(), motion)};
+  RigidBody box = box_body({-0.3, 0, -0.2}, {0.1, 0.2, 0.2}, 1000);
+  box.velocity = {0, -1, 0};
+  RigidBodies bodies({&box, 1}, 1000, kSpacing);
+  BodyCollisions collisions(bodies, walls, kSpacing);
+  for (int k = 0; k < 50; ++k) {
+    bodies.accelerate({0, -9.81, 0}, dt);
+    collisions.move(bodies, k * dt, dt);
+  }
+  EXPECT_NEAR(bodies.state(0).velocity.point.y() - 0.1 + 50 * dt, 0, 0.1 * kSpacing);
+  EXPECT_NEAR(bodies.state(0).velocity.linear.y(), -1, 1e-2);
+}
+
+// Else honey around it would flow for ever, as around one that sinks.
+TEST(RigidBodies, AHeavyOneRestsOnTheFloorInThickLiquid) {
+  FluidOptions o;
+  o.spacing = kSpacing;
+  o.kinematic_viscosity = 10;
+  const std::vector<RigidBody> body{box_body({0.35, 0, 0.35}, {0.65, 0.3, 0.65}, 7800)};
+  const auto points = liquid_around(body, {0, 0, 0}, {1, 0.6, 1}, kSpacing);
+  FluidSolver solver(o, points, std::vector<Vec3>(points.size(), Vec3::Zero()),
+                     solid_walls(test::container(1, 1, 0.2)), {}, {}, {}, body);
+  const double in_a_step = 9.81 * o.max_time_step;
+  while (solver.time() < 1.5) solver.step(1.5 - solver.time());
+  const BodyState state = solver.bodies().front();
+  EXPECT_NEAR(state.velocity.point.y(), 0.15, 0.1 * kSpacing);
+  EXPECT_LT(state.velocity.linear.norm(), 0.01 * in_a_step);
+  const Particles p = solver.particles();
+  double sum = 0;
+  for (const Vec3& v : p.velocity) sum += v.norm();
+  EXPECT_LT(sum / static_cast<double>(p.size()), 0.05 * in_a_step);
+}
+
 struct Afloat {
   static constexpr double kWidth = 1, kDepth = 0.4, kHeight = 0.2, kSide = 0.5;
 

@@ -29,8 +29,9 @@ constexpr double kEnergyLimit = 0.01;         // what it rises by, relative to t
 const Claim kFloatsAtArchimedesLevel{
     "Archimedes", "A body sinks in until it displaces its weight.",
     "Mean draught over the second half of the time, by the liquid's volume, off the known one, in spacings."};
-const Claim kReturns{"statics", "Pushed down, it comes back, upright.",
-                     "Largest swing in the last quarter over the largest; angle to the vertical [rad]."};
+const Claim kReturns{
+    "statics", "Pushed down, it comes back, upright.",
+    "Largest swing about the mean in the last quarter, over the largest; angle to the vertical [rad]."};
 const Claim kSinksAtStokesSpeed{
     "Stokes; Haberman & Sayre 1958", "A sphere in a jar sinks at the known speed.",
     "Mean speed over the second half of its path, relative to the known one; path across the axis."};
@@ -107,20 +108,25 @@ FloatResult run_float(const Scene& scene) {
                known = *scene.bodies.front().density / scene.fluid.density * height;
   FloatResult r{scene.fluid.spacing, liquid.size(), {}};
   EnergyWatch energy(JointMomenta(liquid, scene.fluid, prepared.bodies.front()));
-  double largest = 0, mean = 0;
+  double mean = 0;
   int count = 0;
   advance(liquid, scene.duration, [&](const FluidStep&) {
     const double bottom = liquid.bodies().front().velocity.point.y() - height / 2 - basin.lower.y();
-    const double draught = (volume - area * bottom) / (area - section), swing = std::abs(draught - known);
+    const double draught = (volume - area * bottom) / (area - section);
     r.draught.emplace_back(liquid.time(), draught / height);
-    largest = std::max(largest, swing);
-    if (liquid.time() > 0.75 * scene.duration) r.swing = std::max(r.swing, swing);
     energy.add(JointMomenta(liquid, scene.fluid, prepared.bodies.front()).energy);
     if (liquid.time() < 0.5 * scene.duration) return;
     mean += draught;
     ++count;
   });
-  r.error = std::abs(mean / count - known) / scene.fluid.spacing;
+  mean /= count;
+  r.error = std::abs(mean - known) / scene.fluid.spacing;
+  double largest = 0;
+  for (const Vec2& at : r.draught) {
+    const double swing = std::abs(at.y() - mean / height);
+    largest = std::max(largest, swing);
+    if (at.x() > 0.75 * scene.duration) r.swing = std::max(r.swing, swing);
+  }
   r.swing /= largest;
   r.tilt = std::acos(std::min(1.0, liquid.bodies().front().pose.rotation(1, 1)));
   r.rise = energy.relative_rise();
