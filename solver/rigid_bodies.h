@@ -23,7 +23,7 @@ struct BodyContact {
 /// there: in D (pressure.h) stands sum_b V_b (v_i - u_B(x_i)) . grad W_ib, for rotation moves a sample
 /// against the particle across the line that joins them, and the body is pushed by the opposite of what it
 /// pushes with (Akinci et al. 2012). So D M^-1 D^T of liquid and bodies together is one symmetric problem, M
-/// the masses; nothing is explicit, and a body lighter than the liquid is no harder than a heavy one. Masses
+/// the masses; nothing is explicit, so that bodies far lighter than the liquid are stable too. Masses
 /// here are over that of a particle.
 class RigidBodies {
  public:

@@ -317,7 +317,7 @@ TEST_F(QuickExperiment, ValidateFloatingBox) {
 
 TEST_F(QuickExperiment, ValidateSinkingSphere) {
   run("validate-sinking-sphere");
-  EXPECT_NEAR(value({{"spacing", "0.0025"}}, "error"), 0, 0.25);
+  EXPECT_NEAR(value({{"spacing", "0.0025"}}, "error"), 0, 0.15);
 }
 
 TEST_F(QuickExperiment, ValidateSpinningBody) {
