@@ -13,7 +13,7 @@
 namespace kappaflow {
 namespace {
 
-constexpr double kMaxMass = 1e12;      // [kg]
+constexpr double kMaxMass = 1e12;    // [kg]
 constexpr double kMaxFriction = 10;  // [1]
 
 StairsShape read_stairs(TomlTable& t) {

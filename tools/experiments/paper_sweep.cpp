@@ -165,9 +165,9 @@ RigidExperiment rigid_experiment(const PaperSweep& sweep, const PaperSetting& s)
   experiment.tracker.fairing.moves = s.fairing_moves;
   experiment.tracker.fairing.relaxation = s.fairing_relaxation;
   TrackedBody body{fmt::format("{} on a circle of {} sigma", sweep.particles, s.radius),
-                 {},
-                 s.threshold,
-                 s.edge_length * s.sigma};
+                   {},
+                   s.threshold,
+                   s.edge_length * s.sigma};
   for (int p = 0; p < sweep.particles; ++p) {
     const double angle = 2 * std::numbers::pi * p / sweep.particles;
     body.particles.position.push_back(s.radius * s.sigma * Vec3(std::cos(angle), std::sin(angle), 0));
