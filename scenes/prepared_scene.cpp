@@ -8,6 +8,7 @@
 #include "scenes/mesh_file.h"
 #include "scenes/rigid_bodies.h"
 #include "scenes/shapes.h"
+#include "solver/wall_bodies.h"
 
 namespace kappaflow {
 namespace {
@@ -66,8 +67,7 @@ PreparedScene prepare(Scene scene) {
   prepared.walls = walls_of(scene, meshes);
   prepared.bodies = bodies_of(scene, meshes);
   check_apart(scene, prepared.walls, prepared.bodies);
-  std::vector<SolidWall> solids = prepared.walls;
-  for (const RigidBody& body : prepared.bodies) solids.push_back(body.solid);
+  const std::vector<SolidWall> solids = all_solids(prepared.walls, prepared.bodies);
   FilledBlocks filled = fill_blocks(scene, solids, meshes);
   check_emitters(scene, solids, filled.particles.position);
   prepared.start = std::move(filled.particles);

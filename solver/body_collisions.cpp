@@ -5,10 +5,10 @@
 #include <btBulletDynamicsCommon.h>
 
 #include <Eigen/Eigenvalues>
-#include <algorithm>
-#include <array>
-#include <map>
 #include <vector>
+
+#include "core/connectivity.h"
+#include "core/triangle_geometry.h"
 
 namespace kappaflow {
 namespace {
@@ -42,20 +42,17 @@ Vec3 turn_of(const Eigen::Quaterniond& q) {
 
 /// Whether no edge of the surface, which encloses one solid, is bent inward.
 bool is_convex(const TriangleSurface& surface) {
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> opposite;  // by directed edge
-  for (const Triangle& t : surface.triangles)
-    for (std::size_t c = 0; c < 3; ++c) opposite[{t[c], t[(c + 1) % 3]}] = t[(c + 2) % 3];
-  return std::ranges::all_of(surface.triangles, [&](const Triangle& t) {
-    const auto corner = [&](std::size_t c) { return surface.vertices[t[c]]; };
-    const Vec3 normal = (corner(1) - corner(0)).cross(corner(2) - corner(0)).normalized();
-    for (std::size_t c = 0; c < 3; ++c) {
-      const auto beside = opposite.find({t[(c + 1) % 3], t[c]});
-      if (beside == opposite.end()) return false;
-      const Vec3 across = surface.vertices[beside->second] - corner(c);
-      if (normal.dot(across) > kFlat * across.norm()) return false;
-    }
-    return true;
-  });
+  const std::vector<int> twin = twins_of(surface.triangles);
+  const auto corner = [&](int h) { return surface.vertices[origin_of(surface.triangles, h)]; };
+  for (int h = 0; h < static_cast<int>(twin.size()); ++h) {
+    if (twin[h] < 0) return false;
+    const Vec3 start = corner(h);
+    const Vec3 normal =
+        twice_area_vector(start, corner(next_half_edge(h)), corner(previous_half_edge(h))).normalized();
+    const Vec3 across = corner(previous_half_edge(twin[h])) - start;
+    if (normal.dot(across) > kFlat * across.norm()) return false;
+  }
+  return true;
 }
 
 /// A collision shape with what it refers to.

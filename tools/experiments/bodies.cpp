@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "solver/wall_bodies.h"
 #include "tools/experiments/validation.h"
 #include "tools/io/files.h"
 #include "tools/pictures/plot.h"
@@ -154,9 +155,8 @@ SinkResult run_sinking(const Scene& scene, double known) {
   PreparedScene prepared = prepare(scene);
   const double radius = std::get<SphereShape>(scene.bodies.front().shape).radius;
   {
-    std::vector<SolidWall> walls = prepared.walls;
-    walls.push_back(prepared.bodies.front().solid);
-    FluidSolver held(scene.fluid, prepared.start.position, prepared.start.velocity, walls);
+    FluidSolver held(scene.fluid, prepared.start.position, prepared.start.velocity,
+                     all_solids(prepared.walls, prepared.bodies));
     advance(held, kHeld);
     prepared.start.position = held.particles().position;
     prepared.start.velocity.assign(held.size(), Vec3::Zero());

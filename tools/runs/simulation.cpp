@@ -8,6 +8,7 @@
 #include "core/stopwatch.h"
 #include "core/whole_within.h"
 #include "scenes/shapes.h"
+#include "solver/wall_bodies.h"
 
 namespace kappaflow {
 namespace {
@@ -22,12 +23,6 @@ FluidSolver make_fluid(const Scene& scene, FluidParticlesAtStart&& particles,
   const FluidParticlesAtStart start = std::move(particles);
   return {scene.fluid, start.position, start.velocity,    walls,
           start.fluid, start.source,   start.temperature, bodies};
-}
-
-std::vector<SolidWall> solids_of(std::span<const RigidBody> bodies) {
-  std::vector<SolidWall> solids;
-  for (const RigidBody& body : bodies) solids.push_back(body.solid);
-  return solids;
 }
 
 /// A cube of liquid of which more than half is further than sigma from the faces. The liquid with which an
@@ -64,7 +59,7 @@ double frame_time(const Scene& scene, int frame) {
 
 Simulation::Simulation(PreparedScene prepared)
     : walls_(std::move(prepared.walls)),
-      bodies_(solids_of(prepared.bodies)),
+      bodies_(all_solids({}, prepared.bodies)),
       fluid_(make_fluid(prepared.scene, std::move(prepared.start), walls_, prepared.bodies)),
       surfaces_(fluid_.particles(), surface_options(prepared.scene)),
       tracers_(prepared.scene.output.metrics_interval > 0 ? std::span<const Vec3>(surfaces_.mesh().position)
