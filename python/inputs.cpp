@@ -35,7 +35,7 @@ T value_named(const Named<T> (&table)[N], const char* option, const std::string&
 
 /// sigma: [m]; empty: two spacings of the particles, which are measured then.
 SurfaceOptions field_choices(std::optional<double> sigma, std::optional<double> threshold,
-                             const std::string& weights) {
+                             const std::string& weights, const std::string& kernels) {
   SurfaceOptions options;
   if (sigma) {
     options.sigma = *sigma;
@@ -43,6 +43,7 @@ SurfaceOptions field_choices(std::optional<double> sigma, std::optional<double> 
   }
   options.threshold = threshold;
   options.weights = value_named(kWeightRules, "weights", weights);
+  options.kernels = value_named(kKernels, "kernels", kernels);
   return options;
 }
 
@@ -68,7 +69,7 @@ void bind_inputs(nb::module_& m) {
            nb::arg("scales"));
   nb::class_<SurfaceOptions>(m, "SurfaceOptions");
   m.def("field_choices", field_choices, nb::arg("sigma").none(), nb::arg("threshold").none(),
-        nb::arg("weights"));
+        nb::arg("weights"), nb::arg("kernels"));
   m.def("surface_choices", surface_choices, nb::arg("options"), nb::arg("methods"), nb::arg("anchor"),
         nb::arg("is_cloud"), nb::arg("edge_length"), nb::arg("remesh"), nb::arg("topology"),
         nb::arg("motion_per_step"), nb::arg("velocity"));

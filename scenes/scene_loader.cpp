@@ -188,6 +188,7 @@ void read_surface(TomlTable t, SurfaceDescription& surface) {
   // reach.
   surface.sigma = t.number("sigma", {1.2, 6, false, "spacings"}, surface.sigma);
   surface.weights = t.choice("weights", kWeightRules, std::optional(surface.weights));
+  surface.kernels = t.choice("kernels", kKernels, std::optional(surface.kernels));
   surface.threshold = t.number_or("auto", "threshold", positive("", 100), surface.threshold);
   surface.edge_length =
       t.number("edge_length", {kFinestEdge, kCoarsestEdge, false, "sigma"}, surface.edge_length);

@@ -189,14 +189,16 @@ class Field(SurfaceField):
     beside those that sigma is meant for, > 0: sigma_i = scale_i sigma.
     threshold: T; half the median of the field at the particles unless given.
     weights: "uniform", w_i = 1, or "normalised", w_i = 1/sum_j (1 - r_ij^2)^3, which keeps thin sheets and lone drops.
+    kernels: "round", those of Eq. 12, or "anisotropic", which follow the liquid and make its surface smooth.
 
     Raises InvalidInput for arrays of other shapes, numbers that are not finite, and where no spacing can be measured."""
 
     def __init__(self, positions: ArrayLike, velocities: ArrayLike | None = None, *, time: float = 0,
                  sigma: float | None = None, threshold: float | None = None, weights: str = "uniform",
+                 kernels: str = "round",
                  scales: ArrayLike | None = None) -> None:
         particles, _ = _inputs.particles(positions, velocities, time=time, scales=scales)
-        handle, self._sigma, self._threshold = _core.make_field(particles, _core.field_choices(sigma, threshold, weights))
+        handle, self._sigma, self._threshold = _core.make_field(particles, _core.field_choices(sigma, threshold, weights, kernels))
         super().__init__(handle)
 
     @property

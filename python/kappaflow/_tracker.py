@@ -31,7 +31,7 @@ class Tracker:
     point cloud, unless given.
     anchor: "particles" gives the vertices of tracked surfaces, at every instant, the rest position that the particles around
     have by their first ones: no drift, whatever the method; it takes ids or rows that stay. "none": as carried along.
-    sigma, threshold, weights: as for Field. edge_length: of the mesh where it is flat, in units of sigma.
+    sigma, threshold, weights, kernels: as for Field. edge_length: of the mesh where it is flat, in units of sigma.
     remesh, topology: whether the mesh's connectivity and its topology follow the surface.
     motion_per_step: the fast particles move by this at most in one step, in units of sigma; np.inf: a step an instant.
     damping, speed_limit: of the velocity methods, see VelocityOptions.
@@ -43,14 +43,15 @@ class Tracker:
                  time: float = 0, sources: ArrayLike | None = None, scales: ArrayLike | None = None,
                  next: Mapping[str, Any] | None = None,
                  methods: VelocityMethod | Sequence[VelocityMethod] | None = None, anchor: str = "none",
-                 sigma: float | None = None, threshold: float | None = None, weights: str = "uniform", edge_length: float = 0.5,
+                 sigma: float | None = None, threshold: float | None = None, weights: str = "uniform",
+                 kernels: str = "round", edge_length: float = 0.5,
                  remesh: bool = True, topology: bool = True, motion_per_step: float = 0.5, damping: float = 0.1,
                  speed_limit: float = 1) -> None:
         self._is_cloud = velocities is None
         self._new_ids = 0
         self._methods = all_as_core(methods)  # kept here: the handle does not
         options = _core.surface_choices(
-            _core.field_choices(sigma, threshold, weights), self._methods, anchor, self._is_cloud, edge_length, remesh,
+            _core.field_choices(sigma, threshold, weights, kernels), self._methods, anchor, self._is_cloud, edge_length, remesh,
             topology, motion_per_step, _core.VelocityOptions(damping, speed_limit))
         first, source = self._particles(positions, velocities, ids, time=time, sources=sources, scales=scales)
         second = None if next is None else self._particles(**next)[0]

@@ -45,6 +45,10 @@ class Field {
   }
   virtual ValueAndGradient value_and_gradient(const Vec3& x) const = 0;
 
+  /// The field whose motion tells how the surface moves along itself: of the same material, and near this
+  /// one. A field that smooths away what could be followed has another one than itself.
+  virtual const Field& pattern() const { return *this; }
+
   /// A box outside of which f < 0.
   virtual Bounds bounds() const = 0;
   /// The smallest length on which the field varies (for particles the smallest sigma) [m]; scales steps and

@@ -50,6 +50,27 @@ void FieldSlab::add(const Vec3& centre, double sigma, double weight) {
     }
 }
 
+void FieldSlab::add(const Vec3& center, const SymmetricMatrix& shape, const Vec3& extent, double weight) {
+  const IndexRange planes(center[2], extent[2], first_, last_),
+      rows(center[1], extent[1], first_row_, first_row_ + dims_[1] - 1);
+  const auto& [xx, xy, xz, yy, yz, zz] = shape;
+  for (int k = planes.first; k <= planes.last; ++k)
+    for (int j = rows.first; j <= rows.last; ++j) {
+      // Along a row s = xx (dx - middle)^2 + least.
+      const double dy = j - center[1], dz = k - center[2], middle = -(xy * dy + xz * dz) / xx;
+      const double u_yz = 1 - (yy * dy * dy + 2 * yz * dy * dz + zz * dz * dz - xx * middle * middle);
+      if (u_yz <= 0) continue;
+      const IndexRange columns(center[0] + middle, std::sqrt(u_yz / xx), first_column_,
+                               first_column_ + dims_[0] - 1);
+      double* sums = row(j, k) + (columns.first - first_column_);
+      for (int i = columns.first; i <= columns.last; i += kRowLanes, sums += kRowLanes) {
+        const RowLanes dx = RowLanes(0, 1, 2, 3) + (i - center[0]) - middle;
+        const RowLanes u = (u_yz - xx * dx.square()).max(0.0);
+        Eigen::Map<RowLanes>(sums) += weight * u * u * u;
+      }
+    }
+}
+
 void FieldSlab::write(double threshold, std::vector<float>& value) const {
   const std::size_t rows = static_cast<std::size_t>(dims_[1]) * (last_ - first_ + 1);
   float* out = value.data() + static_cast<std::size_t>(dims_[0]) * dims_[1] * offset_;

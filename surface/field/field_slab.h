@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "surface/field/field.h"
+#include "surface/field/field_kernels.h"
 
 namespace kappaflow {
 
@@ -26,6 +27,10 @@ class FieldSlab {
   /// Adds w (1 - r^2/sigma^2)^3 of one particle; centre and sigma in units of the spacing from the lattice's
   /// origin.
   void add(const Vec3& centre, double sigma, double weight);
+
+  /// Adds w (1 - d . M d)^3, d from `center`, of one kernel; M (shape), the half box about its support
+  /// (extent) and center in units of the spacing from the lattice's origin.
+  void add(const Vec3& center, const SymmetricMatrix& shape, const Vec3& extent, double weight);
 
   /// Writes sum - threshold for the slab's points; value: of the whole of the samples.
   void write(double threshold, std::vector<float>& value) const;

@@ -9,10 +9,9 @@
 #include <cmath>
 
 #include "core/errors.h"
-#include "core/sort_unique.h"
-#include "core/whole_within.h"
 #include "surface/field/field_slab.h"
 #include "surface/field/jet_sums.h"
+#include "surface/field/lattice_cubes.h"
 #include "surface/field/strain_sums.h"
 #include "surface/field/stray_particles.h"
 
@@ -41,28 +40,31 @@ void check(const FieldParticles& p) {
 ParticleField::ParticleField(const FieldParticles& particles, double threshold, double time)
     : threshold_(threshold), time_(time), cloud_speed_(particles.cloud_speed) {
   check(particles);
-  const std::optional<FieldParticles> kept = without_strays(particles, threshold);
-  set_particles(kept ? *kept : particles);
+  set_particles(particles, without_strays(particles.position, particles.sigma, particles.weight, threshold));
 }
 
-void ParticleField::set_particles(const FieldParticles& p) {
-  const std::size_t n = p.position.size();
+/// Takes those particles of which `kept` has the indices.
+void ParticleField::set_particles(const FieldParticles& p, std::span<const std::uint32_t> kept) {
+  const std::size_t n = kept.size();
   if (n == 0) return;
-  const auto [smallest, largest] = std::minmax_element(p.sigma.begin(), p.sigma.end());
-  smallest_sigma_ = *smallest;
-  largest_sigma_ = *largest;
-  bounds_ = {p.position[0], p.position[0]};
-  for (std::size_t i = 0; i < n; ++i) {
+  std::vector<Vec3> place(n);
+  smallest_sigma_ = kInfinity;
+  bounds_ = {p.position[kept[0]], p.position[kept[0]]};
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::uint32_t i = kept[k];
+    place[k] = p.position[i];
+    smallest_sigma_ = std::min(smallest_sigma_, p.sigma[i]);
+    largest_sigma_ = std::max(largest_sigma_, p.sigma[i]);
     bounds_.lower = bounds_.lower.cwiseMin(p.position[i] - Vec3::Constant(p.sigma[i]));
     bounds_.upper = bounds_.upper.cwiseMax(p.position[i] + Vec3::Constant(p.sigma[i]));
     fastest_speed_ = std::max(fastest_speed_, p.velocity[i].norm());
   }
   fastest_speed_ = std::max(fastest_speed_, cloud_speed_);
-  grid_.build(std::span<const Vec3>(p.position), largest_sigma_);
+  grid_.build(std::span<const Vec3>(place), largest_sigma_);
   for (auto* array : {&x_, &y_, &z_, &inverse_sigma2_, &weight_}) array->resize(n);
   source_.resize(n);
   parallel_for(n, [&](std::size_t k) {
-    const std::size_t i = grid_.order()[k];
+    const std::size_t i = kept[grid_.order()[k]];
     x_[k] = p.position[i][0];
     y_[k] = p.position[i][1];
     z_[k] = p.position[i][2];
@@ -232,25 +234,12 @@ bool ParticleField::may_have_surface(std::size_t p) const {
 
 std::optional<std::vector<std::array<int, 3>>> ParticleField::occupied_cubes(const SampledField& lattice,
                                                                              int cells) const {
-  std::vector<std::array<int, 3>> cubes;  // z, y, x
-  const double size = cells * lattice.spacing;
   std::vector<char> counts(x_.size());
   parallel_for(counts.size(), [&](std::size_t p) { counts[p] = may_have_surface(p); });
-  for (std::size_t p = 0; p < x_.size(); ++p) {
-    if (!counts[p]) continue;
-    const Vec3 centre = Vec3(x_[p], y_[p], z_[p]) - lattice.origin;
-    const auto index = [&](int a, double side) {
-      const int last = std::max(0, lattice.dims[a] - 2) / cells;
-      return whole_within(std::floor((centre[a] + side * source_[p].sigma) / size), 0, last);
-    };
-    for (int k = index(2, -1); k <= index(2, 1); ++k)
-      for (int j = index(1, -1); j <= index(1, 1); ++j)
-        for (int i = index(0, -1); i <= index(0, 1); ++i)
-          if (const std::array cube{k, j, i}; cubes.empty() || cubes.back() != cube) cubes.push_back(cube);
-  }
-  sort_unique(cubes);
-  for (std::array<int, 3>& cube : cubes) std::swap(cube[0], cube[2]);
-  return cubes;
+  LatticeCubes cubes(lattice, cells);
+  for (std::size_t p = 0; p < x_.size(); ++p)
+    if (counts[p]) cubes.add(Vec3(x_[p], y_[p], z_[p]), Vec3::Constant(source_[p].sigma));
+  return std::move(cubes).ascending();
 }
 
 void ParticleField::sample(SampledField& samples) const {

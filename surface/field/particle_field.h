@@ -57,7 +57,7 @@ class ParticleField final : public Field {
     double sigma, weight_rate;
   };
 
-  void set_particles(const FieldParticles& particles);
+  void set_particles(const FieldParticles& particles, std::span<const std::uint32_t> kept);
   bool may_have_surface(std::size_t p) const;
   template <class Consume>
   void visit_hits(const Vec3& x, const Consume& consume) const;

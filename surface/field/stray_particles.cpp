@@ -1,6 +1,7 @@
 #include "surface/field/stray_particles.h"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "core/cell_grid.h"
@@ -13,10 +14,10 @@ namespace {
 /// each.
 class CellWeights {
  public:
-  CellWeights(const FieldParticles& particles, double size) : size_(size) {
-    cells_.reserve(particles.position.size());
-    for (std::size_t i = 0; i < particles.position.size(); ++i)
-      cells_.emplace_back(space_cell(particles.position[i], size), std::max(particles.weight[i], 0.0));
+  CellWeights(std::span<const Vec3> position, std::span<const double> weight, double size) : size_(size) {
+    cells_.reserve(position.size());
+    for (std::size_t i = 0; i < position.size(); ++i)
+      cells_.emplace_back(space_cell(position[i], size), std::max(weight[i], 0.0));
     std::ranges::sort(cells_);
     std::size_t last = 0;
     for (std::size_t c = 1; c < cells_.size(); ++c)
@@ -45,32 +46,26 @@ class CellWeights {
   std::vector<std::pair<SpaceCell, double>> cells_;  // ascending
 };
 
-bool are_far_apart(const FieldParticles& particles, double sigma) {
-  Vec3 lower = particles.position[0], upper = lower;
-  for (const Vec3& x : particles.position) {
+bool are_far_apart(std::span<const Vec3> position, double reach) {
+  Vec3 lower = position[0], upper = lower;
+  for (const Vec3& x : position) {
     lower = lower.cwiseMin(x);
     upper = upper.cwiseMax(x);
   }
-  return cell_counts(upper - lower, sigma, particles.position.size()).cell_size > sigma;
+  return cell_counts(upper - lower, reach, position.size()).cell_size > reach;
 }
 
 }  // namespace
 
-std::optional<FieldParticles> without_strays(const FieldParticles& particles, double threshold) {
-  if (particles.position.empty()) return std::nullopt;
-  const double sigma = *std::ranges::max_element(particles.sigma);
-  if (!are_far_apart(particles, sigma)) return std::nullopt;
-  const CellWeights weights(particles, 2 * sigma);
-  FieldParticles kept;
-  kept.cloud_speed = particles.cloud_speed;
-  for (std::size_t i = 0; i < particles.position.size(); ++i) {
-    if (weights.around(particles.position[i]) < threshold) continue;
-    kept.position.push_back(particles.position[i]);
-    kept.velocity.push_back(particles.velocity[i]);
-    kept.sigma.push_back(particles.sigma[i]);
-    kept.weight.push_back(particles.weight[i]);
-    kept.weight_rate.push_back(particles.weight_rate[i]);
-  }
+std::vector<std::uint32_t> without_strays(std::span<const Vec3> position, std::span<const double> reach,
+                                          std::span<const double> weight, double threshold) {
+  std::vector<std::uint32_t> kept(position.size());
+  std::iota(kept.begin(), kept.end(), 0u);
+  if (position.empty()) return kept;
+  const double largest = *std::ranges::max_element(reach);
+  if (!are_far_apart(position, largest)) return kept;
+  const CellWeights weights(position, weight, 2 * largest);
+  std::erase_if(kept, [&](std::uint32_t i) { return weights.around(position[i]) < threshold; });
   return kept;
 }
 

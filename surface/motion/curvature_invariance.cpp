@@ -20,7 +20,7 @@ TangentialRows<2> curvature_rows(const Jet& jet, const TangentBasis& basis, cons
 
 void evaluate_curvature_only(const Field& field, const SurfacePoints& points, const VelocityOptions& options,
                              VelocitySpans result) {
-  evaluate_pointwise(field, points, result, [&](const Vec3& /*x*/, const Jet& jet) {
+  evaluate_pointwise(field, points, options, result, [&](const Vec3& /*x*/, const Jet& jet) {
     const TangentBasis basis = tangent_basis(jet.g.normalized());
     const Vec3 v_n = normal_velocity(jet, options);
     return with_tangential(v_n, basis, curvature_rows(jet, basis, v_n, row_length(jet, options)), jet,
@@ -30,7 +30,7 @@ void evaluate_curvature_only(const Field& field, const SurfacePoints& points, co
 
 void evaluate_curvature(const Field& field, const SurfacePoints& points, const VelocityOptions& options,
                         VelocitySpans result) {
-  evaluate_pointwise(field, points, result, [&](const Vec3& /*x*/, const Jet& jet) {
+  evaluate_pointwise(field, points, options, result, [&](const Vec3& /*x*/, const Jet& jet) {
     const TangentBasis basis = tangent_basis(jet.g.normalized());
     const Vec3 v_n = normal_velocity(jet, options);
     const double length = row_length(jet, options);
@@ -43,7 +43,7 @@ void evaluate_curvature(const Field& field, const SurfacePoints& points, const V
 void evaluate_curvature_first(const Field& field, const SurfacePoints& points, const VelocityOptions& options,
                               VelocitySpans result) {
   constexpr double kUndetermined = 3;  // [dampings] singular value at which both kinds of rows have equal say
-  evaluate_pointwise(field, points, result, [&](const Vec3& /*x*/, const Jet& jet) {
+  evaluate_pointwise(field, points, options, result, [&](const Vec3& /*x*/, const Jet& jet) {
     const TangentBasis basis = tangent_basis(jet.g.normalized());
     const Vec3 v_n = normal_velocity(jet, options);
     const double length = row_length(jet, options);

@@ -26,7 +26,7 @@ void evaluate_material(const Field& field, const SurfacePoints& points, const Ve
     evaluate_carried(field, points.position, result);
     return;
   }
-  evaluate_pointwise(field, points, result, [&](const Vec3& x, const Jet& jet) {
+  evaluate_pointwise(field, points, options, result, [&](const Vec3& x, const Jet& jet) {
     const std::optional<Vec3> material = field.material_velocity(x);
     if (!material)
       throw InvalidInput(

@@ -10,7 +10,7 @@ Vec3 normal_velocity(const Jet& jet, const VelocityOptions& options) {
 
 void evaluate_normal(const Field& field, const SurfacePoints& points, const VelocityOptions& options,
                      VelocitySpans result) {
-  evaluate_pointwise(field, points, result, [&](const Vec3& /*x*/, const Jet& jet) {
+  evaluate_pointwise(field, points, options, result, [&](const Vec3& /*x*/, const Jet& jet) {
     return PointVelocity{.velocity = normal_velocity(jet, options), .confidence = 0};
   });
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/parallel.h"
+#include "surface/motion/normal.h"
 #include "surface/motion/velocity.h"
 
 namespace kappaflow {
@@ -26,20 +27,31 @@ inline Vec3 limited(const Vec3& v, double limit) {
 }
 
 /// Calls point_velocity(x, jet) -> PointVelocity at every point where the field has a gradient; zero
-/// elsewhere.
+/// elsewhere. Of a field with a pattern the jet is the pattern's: the velocity along the surface follows from
+/// it, and Eq. 4 of the field itself goes across.
 template <class Evaluate>
-void evaluate_pointwise(const Field& field, const SurfacePoints& points, VelocitySpans result,
-                        const Evaluate& point_velocity) {
+void evaluate_pointwise(const Field& field, const SurfacePoints& points, const VelocityOptions& options,
+                        VelocitySpans result, const Evaluate& point_velocity) {
   const std::size_t n = points.position.size();
   constexpr std::size_t kPointsPerTask = 64;
+  const Field& pattern = field.pattern();
+  const auto at_point = [&](const Vec3& x) -> PointVelocity {
+    const Jet jet = pattern.jet(x);
+    if (!has_gradient(jet)) return {};
+    PointVelocity at = point_velocity(x, jet);
+    if (&pattern == &field) return at;
+    const Jet own = field.jet(x);
+    if (!has_gradient(own)) return {};
+    const Vec3 normal = own.g.normalized();
+    at.velocity += normal_velocity(own, options) - at.velocity.dot(normal) * normal;
+    return at;
+  };
   parallel_for(
       n,
       [&](std::size_t i) {
-        const Jet jet = field.jet(points.position[i]);
-        const PointVelocity at_point =
-            has_gradient(jet) ? point_velocity(points.position[i], jet) : PointVelocity{};
-        result.velocity[i] = at_point.velocity;
-        result.confidence[i] = at_point.confidence;
+        const PointVelocity at = at_point(points.position[i]);
+        result.velocity[i] = at.velocity;
+        result.confidence[i] = at.confidence;
       },
       kPointsPerTask);
 }

@@ -41,17 +41,21 @@ LocalMotion local_motion(const Field& field, std::span<const Vec3> position, con
                     .length_scale = std::vector<double>(n, 0.0),
                     .fastest = std::vector<double>(n, 0.0),
                     .rows = std::vector<MotionRows>(n)};
+  const Field& pattern = field.pattern();
+  const bool has_pattern = &pattern != &field;
   parallel_for(
       n,
       [&](std::size_t v) {
         StrainResponse strain;
-        const Jet jet = field.jet(position[v], strain);
+        const Jet jet = pattern.jet(position[v], strain);
         if (!has_gradient(jet)) return;
-        local.normal[v] = jet.g.normalized();
-        local.normal_velocity[v] = normal_velocity(jet, options);
+        const Jet own = has_pattern ? field.jet(position[v]) : jet;
+        if (!has_gradient(own)) return;
+        local.normal[v] = own.g.normalized();
+        local.normal_velocity[v] = normal_velocity(own, options);
         local.length_scale[v] = jet.length_scale;
         local.fastest[v] = jet.fastest_in_reach;
-        local.rows[v] = motion_rows(jet, strain, local.normal_velocity[v]);
+        local.rows[v] = motion_rows(jet, strain, normal_velocity(jet, options));
       },
       kPointsPerTask);
   return local;

@@ -13,7 +13,7 @@ TangentialRows<2> total_rows(const Jet& jet, const TangentBasis& basis, const Ve
 
 void evaluate_total(const Field& field, const SurfacePoints& points, const VelocityOptions& options,
                     VelocitySpans result) {
-  evaluate_pointwise(field, points, result, [&](const Vec3& /*x*/, const Jet& jet) {
+  evaluate_pointwise(field, points, options, result, [&](const Vec3& /*x*/, const Jet& jet) {
     const TangentBasis basis = tangent_basis(jet.g.normalized());
     const Vec3 v_n = normal_velocity(jet, options);
     return with_tangential(v_n, basis, total_rows(jet, basis, v_n, row_length(jet, options)), jet, options);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "surface/field/kernel_shapes.h"
 #include "surface/field/particle_weights.h"
 #include "surface/tracker/particle_origins.h"
 #include "surface/tracker/surface_methods.h"
@@ -21,6 +22,7 @@ struct SurfaceOptions {
   /// T of Eq. 12; empty: half the median of the field at the first particles.
   std::optional<double> threshold{};
   WeightRule weights = WeightRule::uniform;
+  Kernels kernels = Kernels::round;
   double edge_length = 0.5;  ///< of the mesh where it is flat, in units of sigma
   bool remesh = true;        ///< whether the mesh's connectivity follows the surface
   bool topology = true;      ///< and whether its topology does

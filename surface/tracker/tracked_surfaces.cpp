@@ -57,6 +57,7 @@ ParticleFieldOptions field_options(const SurfaceOptions& options, std::span<cons
   ParticleFieldOptions field;
   field.sigma = options.sigma * (options.spacing ? *options.spacing : particle_spacing(first, scale));
   field.weights = options.weights;
+  field.kernels = options.kernels;
   field.threshold = options.threshold.value_or(0);
   if (!options.threshold) {
     const std::vector<double> weights = field_weights(first, field.sigma, field.weights, scale);
@@ -113,7 +114,7 @@ double TrackedSurfaces::cloud_speed_to(const Particles& next) const {
 ParticleMotion TrackedSurfaces::motion_to(const Particles& next) const {
   ParticleFieldOptions options = field_options_;
   options.cloud_speed = cloud_speed_to(next);
-  return {particles_, next, options};
+  return {particles_, next, options, shapes_};
 }
 
 int TrackedSurfaces::steps_to(const Particles& next) const {
@@ -132,6 +133,7 @@ bool TrackedSurfaces::step(Particles next, const Watch& watch) {
   ParticleMotion motion = motion_to(next);
   if (!step_through(motion, steps_to(next), watch)) return false;
   particles_ = std::move(next);
+  shapes_ = motion.shapes_t1();
   if (origins_) origins_->see(particles_);
   return true;
 }

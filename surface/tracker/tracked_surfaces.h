@@ -80,6 +80,7 @@ class TrackedSurfaces : public SurfaceGroup {
   void take_origins(std::span<const int> source);
 
   Particles particles_;
+  std::shared_ptr<const KernelShapes> shapes_;  // of these particles, where they are known already
   ParticleFieldOptions field_options_;
   bool is_cloud_;
   double motion_per_step_;

@@ -29,6 +29,7 @@ def test_the_family_of_errors():
     (lambda: kappaflow.Tracker(ball(), np.zeros_like(ball()), anchor="ids"), "anchor: 'ids'; allowed are none, particles"),
     (lambda: kappaflow.Tracker(ball(), anchor="particles"), "the particles: textures from particles take particles with ids"),
     (lambda: kappaflow.Field(ball(), weights="heavy"), "weights: 'heavy'; allowed are uniform, normalised"),
+    (lambda: kappaflow.Field(ball(), kernels="square"), "kernels: 'square'; allowed are round, anisotropic"),
     (lambda: kappaflow.Field(ball(), sigma=-1), "sigma"),
     (lambda: kappaflow.Field([[0, 0, 0], [0, 0, 0]]), "half of the particles"),
     (lambda: kappaflow.Field(ball() * np.nan, sigma=1, threshold=1), "not finite"),

@@ -138,9 +138,10 @@ def test_normalised_weights_make_a_lone_particle_weigh_one():
     assert uniform > 5 and normalised == pytest.approx(0.5, abs=0.2)  # about one, minus T
 
 
+@pytest.mark.parametrize("kernels", ["round", "anisotropic"])
 @pytest.mark.parametrize("method", list(kappaflow.velocity_methods()))
-def test_the_normal_part_of_every_method_is_eq_4(method):
-    field = kappaflow.Field(*rotating_ball(), sigma=SIGMA)
+def test_the_normal_part_of_every_method_is_eq_4(method, kernels):
+    field = kappaflow.Field(*rotating_ball(), sigma=SIGMA, kernels=kernels)
     positions, triangles = field.surface(0.1)
     velocity, confidence = field.velocities(positions, method, triangles=triangles, speed_limit=4)
     jets = field.jets(positions)

@@ -73,7 +73,45 @@ JetCase read_case(const Json::Value& v) {
   return c;
 }
 
+SymmetricMatrix entries(const Json::Value& v) {
+  SymmetricMatrix m;
+  for (int ab = 0; ab < 6; ++ab) m[ab] = number(v[ab]);
+  return m;
+}
+
+KernelCase read_kernel_case(const Json::Value& v) {
+  KernelCase c;
+  for (const Json::Value& k : v["kernels"]) {
+    c.kernels.center.push_back(vector(k["center"]));
+    c.kernels.velocity.push_back(vector(k["velocity"]));
+    c.kernels.shape.push_back(entries(k["shape"]));
+    c.kernels.shape_rate.push_back(entries(k["shape_rate"]));
+    c.kernels.weight.push_back(number(k["weight"]));
+    c.kernels.weight_rate.push_back(number(k["weight_rate"]));
+  }
+  c.threshold = number(v["threshold"]);
+  c.x = vector(v["x"]);
+  const Json::Value& e = v["expected"];
+  const Json::Value& t = e["third"];
+  c.jet = {.f = number(e["f"]),
+           .g = vector(e["grad"]),
+           .A = symmetric(e["hess"]),
+           .C = {number(t[0]), number(t[1]), number(t[2]), number(t[3]), number(t[4]), number(t[5]),
+                 number(t[6]), number(t[7]), number(t[8]), number(t[9])},
+           .f_t = number(e["f_t"]),
+           .g_t = vector(e["grad_t"]),
+           .A_t = symmetric(e["hess_t"])};
+  return c;
+}
+
 }  // namespace
+
+std::vector<KernelCase> read_kernel_cases() {
+  std::vector<KernelCase> cases;
+  const Json::Value root = read_json("kernel_jets.json");
+  for (const Json::Value& v : root["cases"]) cases.push_back(read_kernel_case(v));
+  return cases;
+}
 
 std::vector<JetCase> read_jet_cases() {
   std::vector<JetCase> cases;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "surface/field/curvature.h"
+#include "surface/field/field_kernels.h"
 #include "surface/field/particle_field.h"
 
 namespace kappaflow::testing {
@@ -20,6 +21,17 @@ struct JetCase {
 
 /// The 40 cases of tests/data/field_jets.json.
 std::vector<JetCase> read_jet_cases();
+
+/// Kernels, a point, and what 60-digit arithmetic says about it.
+struct KernelCase {
+  FieldKernels kernels;
+  double threshold;
+  Vec3 x;
+  Jet jet;  // length_scale and fastest_in_reach are not in the table
+};
+
+/// The 16 cases of tests/data/kernel_jets.json.
+std::vector<KernelCase> read_kernel_cases();
 
 /// Particles at rest with a threshold that makes a body of them.
 struct Body {

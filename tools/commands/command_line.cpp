@@ -110,12 +110,13 @@ void add_track(CLI::App& app, CommandLine& line) {
           "Weights of the particles: uniform, or normalised, which keeps lone drops (default: uniform)")
       ->type_name("NAME")
       ->check(one_of({"uniform", "normalised"}));
+  add_kernels(*track, line.track.kernels);
   add_formats(*track, line.track.formats, true);
   add_threads(*track, line.threads);
   add_force_and_quiet(*track, "run", line.track.force, line.track.quiet);
-  for (const char* name :
-       {"--out", "--velocity", "--fps", "--sigma", "--threshold", "--weights", "--frames", "--edge",
-        "--checker", "--texture", "--anchor", "--rest-interval", "--metrics", "--format", "--force"})
+  for (const char* name : {"--out", "--velocity", "--fps", "--sigma", "--threshold", "--weights", "--kernels",
+                           "--frames", "--edge", "--checker", "--texture", "--anchor", "--rest-interval",
+                           "--metrics", "--format", "--force"})
     resume->excludes(track->get_option(name));
   track->callback([files, resume] {
     if (files->empty() && resume->empty()) throw CLI::RequiredError("FILES or --resume");
@@ -169,6 +170,7 @@ void add_probe(CLI::App& app, CommandLine& line) {
   probe->add_option("--threshold", line.probe.threshold, "T of Eq. 12; that of a run is in its run.json")
       ->required()
       ->check(number_in("a number", [](double) { return true; }));
+  add_kernels(*probe, line.probe.kernels);
   std::vector<std::string_view> names;
   for (const VelocityMethod& method : velocity_methods()) names.push_back(method.name);
   line.probe.methods.assign(names.begin(), names.end());

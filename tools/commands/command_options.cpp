@@ -69,6 +69,16 @@ CLI::Validator one_of(const std::vector<std::string_view>& names) {
       "");
 }
 
+void add_kernels(CLI::App& command, Kernels& kernels) {
+  command
+      .add_option_function<std::string>(
+          "--kernels", [&kernels](const std::string& name) { kernels = *value_of(kKernels, name); },
+          "Kernels of the particles: round, as in Eq. 12, or anisotropic, which make the surface smooth "
+          "(default: round)")
+      ->type_name("NAME")
+      ->check(one_of({"round", "anisotropic"}));
+}
+
 void add_threads(CLI::App& command, int& threads) {
   command.add_option("--threads", threads, "Number of threads (default: all cores)")
       ->check(whole_number(1, 1024));

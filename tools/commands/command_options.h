@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "surface/field/kernel_shapes.h"
 #include "surface/motion/velocity.h"
 #include "surface/tracker/surface_methods.h"
 #include "tools/io/mesh_formats.h"
@@ -28,6 +29,9 @@ CLI::Validator whole_number(long lowest, long highest);
 CLI::Validator one_of(const std::vector<std::string_view>& names);
 
 void add_threads(CLI::App& command, int& threads);
+
+/// --kernels.
+void add_kernels(CLI::App& command, Kernels& kernels);
 
 /// An option that takes names of methods, between commas.
 void add_methods(CLI::App& command, const std::string& name, std::vector<std::string>& methods,

@@ -9,7 +9,7 @@
 
 #include "core/errors.h"
 #include "surface/field/curvature.h"
-#include "surface/field/particle_field.h"
+#include "surface/field/particle_motion.h"
 #include "surface/motion/velocity_methods.h"
 #include "tools/io/number_table.h"
 #include "tools/io/particle_file.h"
@@ -82,7 +82,9 @@ SurfaceVelocities velocities(const Field& field, const std::string& method, std:
 }  // namespace
 
 std::string probe(const ProbeOptions& options) {
-  const ParticleField field(read_particle_file(options.particles), options.threshold, 0);
+  const std::shared_ptr<const Field> held =
+      particle_field(read_particle_file(options.particles), options.kernels, options.threshold, 0);
+  const Field& field = *held;
   const std::vector<Vec3> points = read_points(options.points);
   std::string header = kFieldHeader;
   std::vector<SurfaceVelocities> motions;

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "surface/field/kernel_shapes.h"
+
 namespace kappaflow {
 
 struct ProbeOptions {
@@ -13,6 +15,7 @@ struct ProbeOptions {
   std::filesystem::path points;      ///< .csv (x,y,z)
   double threshold = 0;              ///< T of Eq. 12
   std::vector<std::string> methods;  ///< names of velocity methods
+  Kernels kernels = Kernels::round;
 };
 
 /// A CSV table with a row a point, 17 digits. Curvatures are nan where the gradient of f vanishes.

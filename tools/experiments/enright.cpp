@@ -56,8 +56,10 @@ std::vector<std::string> all_methods() {
 struct EnrightOptions {
   std::string title;
   double spacing = 0, sigma = 0;  ///< of the particles [m], [spacings]; 0 in the exact variant
-  double edge_length = 0;         ///< of the meshes that keep their connectivity [m]
-  std::vector<double> remeshed;   ///< edge lengths of those that are remeshed [m]
+  Kernels kernels = Kernels::round;
+  WeightRule weights = WeightRule::normalised;
+  double edge_length = 0;        ///< of the meshes that keep their connectivity [m]
+  std::vector<double> remeshed;  ///< edge lengths of those that are remeshed [m]
   std::vector<std::string> methods{all_methods()}, remeshed_methods{"material"};
   std::vector<std::string>
       anchored_methods{};  ///< whose rest positions the particles correct, at edge_length
@@ -70,6 +72,8 @@ void read_variant(TomlTable& t, bool particles, EnrightOptions& options) {
   if (particles) {
     options.spacing = t.number("spacing", {0.002, 0.05, false, "m"}, or_before(options.spacing));
     options.sigma = t.number("sigma", {1.2, 6, false, "spacings"}, or_before(options.sigma));
+    options.kernels = t.choice("kernels", kKernels, std::optional(options.kernels));
+    options.weights = t.choice("weights", kWeightRules, std::optional(options.weights));
   }
   const std::vector<std::string> known = all_methods();
   const std::vector<std::string_view> names(known.begin(), known.end());
@@ -250,8 +254,9 @@ Report enright(const ExperimentContext& context, const EnrightOptions& options, 
 }
 
 ParticleFieldOptions field_of(const EnrightParticles& particles, const EnrightOptions& options) {
-  ParticleFieldOptions field{.sigma = options.sigma * options.spacing, .weights = WeightRule::normalised};
-  field.threshold = particles.threshold(field.sigma);
+  ParticleFieldOptions field{
+      .sigma = options.sigma * options.spacing, .weights = options.weights, .kernels = options.kernels};
+  field.threshold = particles.threshold(field);
   return field;
 }
 

@@ -1,15 +1,14 @@
 #include "tools/experiments/enright_body.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "core/parallel.h"
-#include "surface/field/particle_field.h"
 #include "surface/field/particle_weights.h"
 #include "surface/remesh/initial_mesh.h"
 #include "tools/experiments/enright_flow.h"
+#include "tools/experiments/fibonacci_sphere.h"
 
 namespace kappaflow {
 namespace {
@@ -67,18 +66,6 @@ namespace {
 
 constexpr int kSpherePoints = 4000;  // over which the field is averaged
 
-/// Points spread evenly over the unit sphere, turned about `axis` by `angle`.
-std::vector<Vec3> fibonacci_sphere(int count, const Vec3& axis, double angle) {
-  const double golden = std::numbers::pi * (1 + std::sqrt(5.0));
-  const Eigen::AngleAxisd turn(angle, axis.normalized());
-  std::vector<Vec3> points;
-  for (int i = 0; i < count; ++i) {
-    const double z = 1 - (2 * i + 1.0) / count, r = std::sqrt(1 - z * z), phi = golden * (i + 0.5);
-    points.emplace_back(turn * Vec3(r * std::cos(phi), r * std::sin(phi), z));
-  }
-  return points;
-}
-
 }  // namespace
 
 EnrightParticles::EnrightParticles(double spacing) {
@@ -97,20 +84,14 @@ EnrightParticles::EnrightParticles(double spacing) {
   at(0);
 }
 
-double EnrightParticles::threshold(double sigma) const {
-  const std::size_t n = particles_.size();
-  const ParticleField field({.position = particles_.position,
-                             .velocity = particles_.velocity,
-                             .sigma = std::vector<double>(n, sigma),
-                             .weight = field_weights(particles_.position, sigma, WeightRule::normalised),
-                             .weight_rate = std::vector<double>(n, 0)},
-                            0, particles_.time);
+double EnrightParticles::threshold(ParticleFieldOptions options) const {
+  const std::vector<double> weights = field_weights(particles_.position, options.sigma, options.weights);
+  options.threshold = half_median_threshold(particles_.position, weights, options.sigma);
+  const auto field = particle_field(particles_, options);
   const std::vector<Vec3> sphere = fibonacci_sphere(kSpherePoints, Vec3(1, 0, 0), 0);
-  return parallel_sum(sphere.size(), 0.0,
-                      [&](std::size_t i) {
-                        return field.value_and_gradient(kCentre + EnrightFlow::kRadius * sphere[i]).f;
-                      }) /
-         kSpherePoints;
+  return options.threshold + parallel_sum(sphere.size(), 0.0, [&](std::size_t i) {
+                               return field->value_and_gradient(kCentre + EnrightFlow::kRadius * sphere[i]).f;
+                             }) / kSpherePoints;
 }
 
 const Particles& EnrightParticles::at(double time) {

@@ -5,6 +5,7 @@
 
 #include "core/particles.h"
 #include "core/solid_distance.h"
+#include "surface/field/particle_motion.h"
 #include "surface/mesh/triangle_mesh.h"
 
 namespace kappaflow {
@@ -49,9 +50,9 @@ class EnrightParticles {
   /// spacing [m] at time 0.
   explicit EnrightParticles(double spacing);
 
-  /// The threshold of Eq. 12 that puts the surface on the sphere, in the mean, at time 0.
-  /// sigma: [m]; weights: normalised.
-  double threshold(double sigma) const;
+  /// The threshold of the field that puts the surface on the sphere, in the mean, at time 0, where the
+  /// particles must be. That of the options is not used.
+  double threshold(ParticleFieldOptions options) const;
 
   /// The particles at `time` [s], with the flow's velocities. Carries them on from the time asked for before.
   const Particles& at(double time);

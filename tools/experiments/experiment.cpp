@@ -19,6 +19,7 @@
 #include "tools/experiments/folding.h"
 #include "tools/experiments/gravity_current.h"
 #include "tools/experiments/hydrostatic.h"
+#include "tools/experiments/kernels.h"
 #include "tools/experiments/level_sets.h"
 #include "tools/experiments/minimiser_comparison.h"
 #include "tools/experiments/motions.h"
@@ -158,6 +159,9 @@ std::span<const Experiment> experiments() {
       Experiment{"motions", "experiments/motions.toml",
                  "every method at one instant: known motions of a body, frames of a real flow",
                  experiment_motions},
+      Experiment{"kernels", "experiments/kernels.toml",
+                 "round kernels and those that follow the liquid: how smooth, where, how well followed",
+                 experiment_kernels},
       Experiment{"minimisers", "experiments/minimisers.toml",
                  "Powell's method, BFGS and the closed form on Eq. 10: agreement and cost",
                  experiment_minimisers},

@@ -19,6 +19,7 @@ void refuse_particle_options(const TrackOptions& options, const std::string& nam
   if (options.sigma) refuse("--sigma");
   if (options.threshold) refuse("--threshold");
   if (options.weights != WeightRule::uniform) refuse("--weights");
+  if (options.kernels != Kernels::round) refuse("--kernels");
   if (options.anchor != Anchor::none) refuse("--anchor");
   if (std::ranges::count(options.methods, "fresh-particles") > 0) refuse("the method \"fresh-particles\"");
 }

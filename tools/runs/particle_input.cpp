@@ -89,6 +89,7 @@ void ParticleInput::set_surface(const TrackOptions& options, const Particles& fi
     spacing_ = measured_spacing(sequence_, first);
   surface_.threshold = options.threshold;
   surface_.weights = options.weights;
+  surface_.kernels = options.kernels;
   const bool is_cloud = sequence_.velocity() == ParticleSequence::Velocity::unknown;
   surface_.methods = options.methods;
   if (surface_.methods.empty()) surface_.methods = {is_cloud ? "regional" : "material"};

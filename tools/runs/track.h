@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/saved_state.h"
+#include "surface/field/kernel_shapes.h"
 #include "surface/field/particle_weights.h"
 #include "surface/measure/texture.h"
 #include "surface/tracker/surface_methods.h"
@@ -28,6 +29,7 @@ struct TrackOptions {
   std::optional<double> sigma;              ///< support radius of Eq. 12 [m]; empty: 2 particle spacings
   std::optional<double> threshold;  ///< T of Eq. 12; empty: half the median of the field at the particles
   WeightRule weights = WeightRule::uniform;
+  Kernels kernels = Kernels::round;
   std::optional<double> edge_length;   ///< of the mesh where it is flat [m]; empty: a quarter of sigma
   std::optional<double> checker_edge;  ///< of the checker's cubes [m]; empty: OutputDescription's
   TextureProjection texture = TextureProjection::box;
@@ -43,8 +45,8 @@ struct TrackOptions {
   /// See core/saved_state.h: what a resumed run takes over.
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(range, methods, frames_per_second, sigma, threshold, weights, edge_length, checker_edge, texture,
-            anchor, rest_interval, metrics_interval, formats);
+    archive(range, methods, frames_per_second, sigma, threshold, weights, kernels, edge_length, checker_edge,
+            texture, anchor, rest_interval, metrics_interval, formats);
   }
 };
 

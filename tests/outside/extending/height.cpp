@@ -12,7 +12,7 @@ using namespace kappaflow;
 /// height.
 void evaluate_height(const Field& field, const SurfacePoints& points, const VelocityOptions& options,
                      VelocitySpans result) {
-  evaluate_pointwise(field, points, result, [&](const Vec3& /*x*/, const Jet& jet) {
+  evaluate_pointwise(field, points, options, result, [&](const Vec3& /*x*/, const Jet& jet) {
     const Vec3 v_n = normal_velocity(jet, options), n = jet.g.normalized();
     const Vec3 p = Vec3::UnitY() - n.y() * n;
     const double damped = p.squaredNorm() + options.damping * options.damping;

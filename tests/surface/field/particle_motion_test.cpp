@@ -103,8 +103,12 @@ TEST(ParticleMotion, RampsParticlesThatAreAtOneEndOnly) {
 TEST(ParticleMotion, TimeDerivativesAgreeWithFiniteDifferences) {
   const auto paths = cubic_paths(5, 60);
   const Particles t0 = at(paths, kT0, not_every_fifth), t1 = at(paths, kT1, not_every_seventh);
-  for (const WeightRule rule : {WeightRule::uniform, WeightRule::normalised}) {
-    ParticleMotion motion(t0, t1, {.sigma = 0.9, .weights = rule, .threshold = 0.4});
+  const ParticleFieldOptions round{.sigma = 0.9, .threshold = 0.4};
+  ParticleFieldOptions normalised = round, anisotropic = round;
+  normalised.weights = WeightRule::normalised;
+  anisotropic.kernels = Kernels::anisotropic;
+  for (const ParticleFieldOptions& options : {round, normalised, anisotropic}) {
+    ParticleMotion motion(t0, t1, options);
     constexpr double kTime = 0.38, kStep = 1e-6;
     const auto now = motion.at(kTime), before = motion.at(kTime - kStep), after = motion.at(kTime + kStep);
     std::mt19937 random(6);
@@ -127,15 +131,20 @@ TEST(ParticleMotion, IsContinuousFromStepToStep) {
   const auto paths = cubic_paths(7, 60);
   const Particles t0 = at(paths, 0.2, all), t1 = at(paths, 0.3, not_every_fifth),
                   t2 = at(paths, 0.4, not_every_seventh);
-  const ParticleFieldOptions options{.sigma = 0.9, .weights = WeightRule::normalised, .threshold = 0.4};
-  ParticleMotion first(t0, t1, options), second(t1, t2, options);
-  std::mt19937 random(8);
-  for (int i = 0; i < 30; ++i) {
-    const Vec3 x = random_vector(random, 1.5);
-    const ValueAndGradient a = first.at(0.3)->value_and_gradient(x),
-                           b = second.at(0.3)->value_and_gradient(x);
-    EXPECT_NEAR(a.f, b.f, 1e-13);
-    EXPECT_LT((a.g - b.g).norm(), 1e-12);
+  for (const Kernels kernels : {Kernels::round, Kernels::anisotropic}) {
+    const ParticleFieldOptions options{
+        .sigma = 0.9, .weights = WeightRule::normalised, .threshold = 0.4, .kernels = kernels};
+    ParticleMotion first(t0, t1, options), second(t1, t2, options),
+        in_turn(t1, t2, options, first.shapes_t1());
+    std::mt19937 random(8);
+    for (int i = 0; i < 30; ++i) {
+      const Vec3 x = random_vector(random, 1.5);
+      const ValueAndGradient a = first.at(0.3)->value_and_gradient(x),
+                             b = second.at(0.3)->value_and_gradient(x);
+      EXPECT_NEAR(a.f, b.f, 1e-13);
+      EXPECT_LT((a.g - b.g).norm(), 1e-12);
+      EXPECT_EQ(second.at(0.36)->jet(x).A_t, in_turn.at(0.36)->jet(x).A_t);
+    }
   }
 }
 

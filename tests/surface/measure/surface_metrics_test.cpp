@@ -15,7 +15,7 @@ namespace {
 constexpr double kThreshold = 0.125;  // of one particle: (1 - r^2)^3 = 1/8 at r^2 = 1/2
 
 // One particle of sigma 1 at the origin that moves along x: its surface is a sphere.
-std::shared_ptr<const ParticleField> one_particle() {
+std::shared_ptr<const Field> one_particle() {
   const Particles particles{0, {0}, {Vec3::Zero()}, {Vec3(2, 0, 0)}};
   return particle_field(particles, {1, WeightRule::uniform, kThreshold});
 }

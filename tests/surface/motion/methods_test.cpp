@@ -8,6 +8,7 @@
 
 #include "core/errors.h"
 #include "surface/field/curvature.h"
+#include "surface/field/particle_motion.h"
 #include "surface/motion/curvature_invariance.h"
 #include "surface/motion/normal.h"
 #include "surface/motion/total.h"
@@ -67,6 +68,41 @@ TEST(VelocityMethods, ShareTheNormalPartOfEquation4) {
       EXPECT_NEAR(result.velocity[i].dot(jet.g) + jet.f_t, 0, 1e-12) << method.name;
     }
   }
+}
+
+// A field that is smooth where its pattern is not: each method reads the motion along the surface from the
+// pattern, and that across it from the field itself.
+TEST(VelocityMethods, FollowThePatternAlongTheSurfaceOfTheField) {
+  testing::Body body = testing::read_body175();
+  std::mt19937 random(3);
+  testing::set_velocities(body.particles, [&](const Vec3&) { return random_vector(random, 1); });
+  const auto field = particle_field(body.particles, Kernels::anisotropic, body.threshold, 0);
+  const std::vector<Vec3> points = surface_points(*field, 200, 5);
+  for (const VelocityMethod& method : velocity_methods()) {
+    const SurfaceVelocities result = velocities_at(*field, method.name, points, {}),
+                            of_pattern = velocities_at(field->pattern(), method.name, points, {});
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Jet jet = field->jet(points[i]);
+      const Vec3 n = jet.g.normalized(), v_n = normal_velocity(jet, {});
+      EXPECT_NEAR((result.velocity[i] - v_n).dot(n), 0, 1e-12) << method.name;
+      if (method.name == "regional") continue;  // takes its windows' own motion along the surface, see below
+      const Vec3 difference = result.velocity[i] - of_pattern.velocity[i];
+      EXPECT_LT((difference - difference.dot(n) * n).norm(), 1e-12) << method.name;
+      EXPECT_EQ(result.confidence[i], of_pattern.confidence[i]) << method.name;
+    }
+  }
+}
+
+TEST(RegionalVelocity, IsExactForARigidBodyWithASmoothSurface) {
+  testing::Body body = testing::read_body175();
+  const Vec3 omega(0.3, -0.5, 0.8), u(0.4, 0.1, -0.2);
+  const auto velocity = [&](const Vec3& x) { return Vec3(u + omega.cross(x)); };
+  testing::set_velocities(body.particles, velocity);
+  const auto field = particle_field(body.particles, Kernels::anisotropic, body.threshold, 0);
+  const std::vector<Vec3> points = surface_points(*field, 300, 5);
+  const SurfaceVelocities result = velocities_at(*field, "regional", points, {.speed_limit = 4});
+  for (std::size_t i = 0; i < points.size(); ++i)
+    EXPECT_LT((result.velocity[i] - velocity(points[i])).norm(), 2e-3 * field->fastest_speed());
 }
 
 TEST(NormalVelocity, IsLimitedByTheFastestInReach) {

@@ -225,22 +225,23 @@ SurfaceVelocities velocities_by(Minimiser minimiser, const Field& field, std::st
   const std::vector<double> area(points.size(), 0.0);
   const VertexRings rings{.start = std::vector<int>(points.size() + 1, 0), .neighbour = {}};
   SurfaceVelocities result;
-  evaluate_pointwise(
-      field, {points, area, rings}, result.sized(points.size()), [&](const Vec3& /*x*/, const Jet& jet) {
-        const TangentBasis basis = tangent_basis(jet.g.normalized());
-        const Vec3 v_n = normal_velocity(jet, options);
-        const auto solved = [&](const auto& rows) {
-          const double fastest = jet.fastest_in_reach;
-          const TangentialMinimum minimum = minimise(rows, options.damping, fastest, minimiser);
-          return PointVelocity{v_n + limited(basis * minimum.y, options.speed_limit * fastest),
-                               minimum.confidence};
-        };
-        const double L = jet.length_scale;
-        const TangentialRows<2> total = total_rows(jet, basis, v_n, L),
-                                curvature = curvature_rows(jet, basis, v_n, L);
-        if (method == "total") return solved(total);
-        return method == "curvature" ? solved(stacked(total, curvature)) : solved(curvature);
-      });
+  evaluate_pointwise(field, {points, area, rings}, options, result.sized(points.size()),
+                     [&](const Vec3& /*x*/, const Jet& jet) {
+                       const TangentBasis basis = tangent_basis(jet.g.normalized());
+                       const Vec3 v_n = normal_velocity(jet, options);
+                       const auto solved = [&](const auto& rows) {
+                         const double fastest = jet.fastest_in_reach;
+                         const TangentialMinimum minimum =
+                             minimise(rows, options.damping, fastest, minimiser);
+                         return PointVelocity{v_n + limited(basis * minimum.y, options.speed_limit * fastest),
+                                              minimum.confidence};
+                       };
+                       const double L = jet.length_scale;
+                       const TangentialRows<2> total = total_rows(jet, basis, v_n, L),
+                                               curvature = curvature_rows(jet, basis, v_n, L);
+                       if (method == "total") return solved(total);
+                       return method == "curvature" ? solved(stacked(total, curvature)) : solved(curvature);
+                     });
   return result;
 }
 

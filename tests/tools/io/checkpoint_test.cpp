@@ -38,7 +38,7 @@ TEST_F(Checkpoint, LayoutIsAsDocumented) {
   // 8 + (1 byte of cereal that says little-endian) + 4 + 4 + 8 bytes, then the state.
   ASSERT_EQ(bytes_.size(), 25 + kState.size());
   EXPECT_EQ(bytes_.substr(0, 9), "kf-state\1");
-  EXPECT_EQ(bytes_.substr(9, 4), std::string("\13\0\0\0", 4));
+  EXPECT_EQ(bytes_.substr(9, 4), std::string("\14\0\0\0", 4));
   EXPECT_EQ(bytes_.substr(17, 8), std::string("\22\0\0\0\0\0\0\0", 8));
   EXPECT_EQ(bytes_.substr(25), kState);
 }

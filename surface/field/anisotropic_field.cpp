@@ -1,0 +1,241 @@
+#include "surface/field/anisotropic_field.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/errors.h"
+#include "surface/field/field_slab.h"
+#include "surface/field/kernel_sums.h"
+#include "surface/field/lattice_cubes.h"
+#include "surface/field/stray_particles.h"
+
+namespace kappaflow {
+namespace {
+
+/// Half the box about each support [m]: sqrt((M^-1)_aa). Throws InvalidInput where a kernel makes no sense.
+std::vector<Vec3> checked_extents(const FieldParticles& particles, const FieldKernels& kernels) {
+  const std::size_t n = particles.position.size();
+  if (kernels.size() != n || kernels.velocity.size() != n || kernels.shape.size() != n ||
+      kernels.shape_rate.size() != n || kernels.weight.size() != n || kernels.weight_rate.size() != n)
+    throw InvalidInput(
+        fmt::format("{} field particles with {} kernels; the counts of all of their arrays "
+                    "must be equal",
+                    n, kernels.size()));
+  std::vector<Vec3> extent(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Mat3 M = full(kernels.shape[i]), rate = full(kernels.shape_rate[i]);
+    const double minor = M(0, 0) * M(1, 1) - M(0, 1) * M(0, 1);
+    if (!(M(0, 0) > 0 && minor > 0 && M.determinant() > 0))
+      throw InvalidInput(fmt::format("field kernel {}: its shape is not positive definite", i));
+    extent[i] = M.inverse().diagonal().cwiseSqrt();
+    if (!extent[i].allFinite() || !kernels.center[i].allFinite() || !kernels.velocity[i].allFinite() ||
+        !rate.allFinite() || !std::isfinite(kernels.weight[i]) || !std::isfinite(kernels.weight_rate[i]))
+      throw InvalidInput(fmt::format("field kernel {}: a number is not finite", i));
+  }
+  return extent;
+}
+
+/// Of the farthest point of each support from its middle, a little more than less [m].
+std::vector<double> reaches_of(std::span<const Vec3> extent) {
+  std::vector<double> reach(extent.size());
+  std::ranges::transform(extent, reach.begin(), [](const Vec3& e) { return e.norm(); });
+  return reach;
+}
+
+}  // namespace
+
+AnisotropicField::AnisotropicField(const FieldParticles& particles, const FieldKernels& kernels,
+                                   double threshold, double time)
+    : pattern_(particles, threshold, time), threshold_(threshold), cloud_speed_(particles.cloud_speed) {
+  set_kernels(particles, kernels, checked_extents(particles, kernels));
+}
+
+void AnisotropicField::set_kernels(const FieldParticles& particles, const FieldKernels& kernels,
+                                   std::span<const Vec3> extent) {
+  const std::vector<std::uint32_t> kept =
+      without_strays(kernels.center, reaches_of(extent), kernels.weight, threshold_);
+  const std::size_t n = kept.size();
+  if (n == 0) return;
+  std::vector<Vec3> place(n);
+  bounds_ = {kernels.center[kept[0]], kernels.center[kept[0]]};
+  for (std::size_t k = 0; k < n; ++k) {
+    place[k] = kernels.center[kept[k]];
+    const Vec3& half = extent[kept[k]];
+    bounds_.lower = bounds_.lower.cwiseMin(place[k] - half);
+    bounds_.upper = bounds_.upper.cwiseMax(place[k] + half);
+    reach_ = std::max(reach_, half.maxCoeff());
+  }
+  // A box of cells about the ball of reach: with cells half as large it holds half as much.
+  grid_.build(std::span<const Vec3>(place), 0.5 * reach_);
+  for (auto& array : center_) array.resize(n);
+  for (auto& array : shape_) array.resize(n);
+  weight_.resize(n);
+  source_.resize(n);
+  parallel_for(n, [&](std::size_t k) {
+    const std::size_t i = kept[grid_.order()[k]];
+    for (int a = 0; a < 3; ++a) center_[a][k] = kernels.center[i][a];
+    for (int ab = 0; ab < 6; ++ab) shape_[ab][k] = kernels.shape[i][ab];
+    weight_[k] = kernels.weight[i];
+    source_[k] = {.velocity = kernels.velocity[i],
+                  .shape_rate = kernels.shape_rate[i],
+                  .weight_rate = kernels.weight_rate[i],
+                  .sigma = particles.sigma[i],
+                  .speed = particles.velocity[i].norm(),
+                  .extent = extent[i]};
+  });
+}
+
+/// Calls consume(indices) with the kernels whose support holds x, at most KernelHits::kCapacity at a time.
+template <class Consume>
+void AnisotropicField::visit_hits(const Vec3& x, const Consume& consume) const {
+  constexpr std::size_t kCapacity = KernelHits::kCapacity;
+  std::array<std::uint32_t, 2 * kCapacity> hit;
+  std::array<double, kCapacity> s;
+  std::size_t count = 0;
+  grid_.ranges_near(x, reach_, [&](std::uint32_t begin, std::uint32_t end) {
+    for (; begin < end; begin += kCapacity) {
+      const std::uint32_t n = std::min<std::uint32_t>(kCapacity, end - begin);
+      const double *cx = center_[0].data() + begin, *cy = center_[1].data() + begin,
+                   *cz = center_[2].data() + begin;
+      const double *xx = shape_[0].data() + begin, *xy = shape_[1].data() + begin,
+                   *xz = shape_[2].data() + begin, *yy = shape_[3].data() + begin,
+                   *yz = shape_[4].data() + begin, *zz = shape_[5].data() + begin;
+#pragma omp simd
+      for (std::uint32_t i = 0; i < n; ++i) {
+        const double dx = x[0] - cx[i], dy = x[1] - cy[i], dz = x[2] - cz[i];
+        s[i] = dx * (xx[i] * dx + 2 * (xy[i] * dy + xz[i] * dz)) + dy * (yy[i] * dy + 2 * yz[i] * dz) +
+               zz[i] * dz * dz;
+      }
+      for (std::uint32_t i = 0; i < n; ++i) {  // without a branch: some candidates are hits, in no pattern
+        hit[count] = begin + i;
+        count += s[i] < 1;
+      }
+      if (count < kCapacity) continue;
+      consume(std::span<const std::uint32_t>(hit.data(), kCapacity));
+      std::copy(hit.begin() + kCapacity, hit.begin() + count, hit.begin());
+      count -= kCapacity;
+    }
+  });
+  if (count > 0) consume(std::span<const std::uint32_t>(hit.data(), count));
+}
+
+inline void AnisotropicField::load_hits(const Vec3& x, std::span<const std::uint32_t> indices,
+                                        KernelHits& hits) const {
+  std::size_t n = 0;
+  for (const std::uint32_t k : indices) {
+    const Source& source = source_[k];
+    for (int a = 0; a < 3; ++a) {
+      hits.d[a][n] = x[a] - center_[a][k];
+      hits.v[a][n] = source.velocity[a];
+    }
+    for (int ab = 0; ab < 6; ++ab) {
+      hits.shape[ab][n] = shape_[ab][k];
+      hits.shape_rate[ab][n] = source.shape_rate[ab];
+    }
+    hits.weight[n] = weight_[k];
+    hits.weight_rate[n] = source.weight_rate;
+    hits.sigma[n] = source.sigma;
+    hits.speed[n] = source.speed;
+    ++n;
+  }
+  for (; n % KernelHits::kLanes != 0; ++n) {
+    for (auto* arrays : {hits.d, hits.v})
+      for (int a = 0; a < 3; ++a) arrays[a][n] = 0;
+    for (auto* arrays : {hits.shape, hits.shape_rate})
+      for (int ab = 0; ab < 6; ++ab) arrays[ab][n] = 0;
+    for (double* values : {hits.weight, hits.weight_rate, hits.sigma, hits.speed}) values[n] = 0;
+  }
+  hits.count = n;
+}
+
+Jet AnisotropicField::jet(const Vec3& x) const {
+  KernelHits hits;
+  KernelSums sums;
+  visit_hits(x, [&](std::span<const std::uint32_t> indices) {
+    load_hits(x, indices, hits);
+    for (std::size_t first = 0; first < hits.count; first += KernelHits::kLanes) sums.add(hits, first);
+  });
+  return sums.jet(threshold_, cloud_speed_);
+}
+
+ValueAndGradient AnisotropicField::value_and_gradient(const Vec3& x) const {
+  // As ParticleField does: picking the hits first would cost more than evaluating the misses, where u = 0.
+  double f = 0, gx = 0, gy = 0, gz = 0;
+  grid_.ranges_near(x, reach_, [&](std::uint32_t begin, std::uint32_t end) {
+    // Copies that nothing else can change: the loop vectorises.
+    const double *cx = center_[0].data(), *cy = center_[1].data(), *cz = center_[2].data();
+    const double *xx = shape_[0].data(), *xy = shape_[1].data(), *xz = shape_[2].data(),
+                 *yy = shape_[3].data(), *yz = shape_[4].data(), *zz = shape_[5].data(), *ws = weight_.data();
+    const double x0 = x[0], x1 = x[1], x2 = x[2];
+    double run_f = 0, run_gx = 0, run_gy = 0, run_gz = 0;
+#pragma omp simd reduction(+ : run_f, run_gx, run_gy, run_gz)
+    for (std::size_t k = begin; k < end; ++k) {
+      const double dx = x0 - cx[k], dy = x1 - cy[k], dz = x2 - cz[k];
+      const double ex = xx[k] * dx + xy[k] * dy + xz[k] * dz, ey = xy[k] * dx + yy[k] * dy + yz[k] * dz,
+                   ez = xz[k] * dx + yz[k] * dy + zz[k] * dz;
+      const double inside = 1 - (dx * ex + dy * ey + dz * ez), u = inside > 0 ? inside : 0;
+      const double w_u2 = ws[k] * u * u, b1 = -6 * w_u2;
+      run_f += w_u2 * u;
+      run_gx += b1 * ex;
+      run_gy += b1 * ey;
+      run_gz += b1 * ez;
+    }
+    f += run_f, gx += run_gx, gy += run_gy, gz += run_gz;
+  });
+  return {f - threshold_, Vec3(gx, gy, gz)};
+}
+
+/// Whether f may be positive within the kernel's box: f <= sum_j w_j - T there, over the kernels whose boxes
+/// meet it, itself included.
+bool AnisotropicField::may_have_surface(std::size_t k) const {
+  double sum = 0;
+  const Vec3 c = center(k), half = source_[k].extent;
+  grid_.ranges_near(c, half.maxCoeff() + reach_, [&](std::uint32_t begin, std::uint32_t end) {
+    for (std::size_t q = begin; q < end && sum < threshold_; ++q)
+      if (((center(q) - c).cwiseAbs().array() < (half + source_[q].extent).array()).all())
+        sum += std::max(weight_[q], 0.0);
+  });
+  return sum >= threshold_;
+}
+
+std::optional<std::vector<std::array<int, 3>>> AnisotropicField::occupied_cubes(const SampledField& lattice,
+                                                                                int cells) const {
+  std::vector<char> counts(weight_.size());
+  parallel_for(counts.size(), [&](std::size_t k) { counts[k] = may_have_surface(k); });
+  LatticeCubes cubes(lattice, cells);
+  for (std::size_t k = 0; k < counts.size(); ++k)
+    if (counts[k]) cubes.add(center(k), source_[k].extent);
+  return std::move(cubes).ascending();
+}
+
+void AnisotropicField::sample(SampledField& samples) const {
+  const auto& dims = samples.dims;
+  samples.value.resize(static_cast<std::size_t>(dims[0]) * dims[1] * dims[2]);
+  const Vec3 half = 0.5 * samples.spacing * Vec3(dims[0] - 1, dims[1] - 1, dims[2] - 1),
+             middle = samples.origin +
+                      samples.spacing * Vec3(samples.first_column, samples.first_row, samples.first_plane) +
+                      half;
+  const double reach = half.maxCoeff() + reach_, inverse_spacing = 1 / samples.spacing,
+               spacing2 = samples.spacing * samples.spacing;
+  const auto fill_slab = [&](std::size_t s) {
+    FieldSlab slab(samples, static_cast<int>(s));
+    grid_.ranges_near(middle, reach, [&](std::uint32_t begin, std::uint32_t end) {
+      for (std::uint32_t k = begin; k < end; ++k) {
+        const Vec3 at = inverse_spacing * (center(k) - samples.origin),
+                   extent = inverse_spacing * source_[k].extent;
+        if (!slab.reached(at[2], extent[2])) continue;
+        SymmetricMatrix shape;
+        for (int ab = 0; ab < 6; ++ab) shape[ab] = spacing2 * shape_[ab][k];
+        slab.add(at, shape, extent, weight_[k]);
+      }
+    });
+    slab.write(threshold_, samples.value);
+  };
+  parallel_for(static_cast<std::size_t>(FieldSlab::count(samples)), fill_slab, 1);
+}
+
+}  // namespace kappaflow

@@ -1,0 +1,58 @@
+// The surface as points with normals, one below or above each particle near it, and what is smooth about it.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "core/cell_grid.h"
+#include "surface/field/field.h"
+#include "surface/field/field_kernels.h"
+
+namespace kappaflow {
+
+/// The point of a level set that Newton's method reaches from a particle.
+struct Foot {
+  Vec3 position = Vec3::Zero();
+  Vec3 normal = Vec3::Zero();   ///< of the level set, outward
+  double distance = kInfinity;  ///< from its particle [sigma]; infinite: the particle has none
+};
+
+/// Takes each foot that is at a finite distance along the gradient to f = 0, in so many steps of at most 0.4
+/// sigma; those that do not come there, or leave the ball of `farthest` sigma about their origin, have none.
+/// One entry a foot.
+void walk_to_surface(const Field& field, std::span<const Vec3> origin, std::span<const double> sigma,
+                     int steps, double farthest, std::vector<Foot>& feet);
+
+/// Sums over feet around a point. Weights fall as (1 - r^2/radius^2)^3 with the distance r, with the angle
+/// between normals, and as (1 - t^2)^2, t sigma the distance of the particle: the outermost ones tell best.
+class SurfaceFeet {
+ public:
+  /// radius: of the window [m].
+  SurfaceFeet(std::span<const Foot> feet, double radius);
+
+  /// Normals averaged over the windows around each foot, unit length; zero where there is no foot.
+  std::vector<Vec3> smooth_normals(std::span<const Foot> feet) const;
+
+  /// Height of the surface, smoothed, above each foot along its normal [m]: the mean of
+  ///   h = (n_i + n_j) . (y_j - y_i)/2,
+  /// which vanishes for points y of planes and quadrics, with n the smooth normals.
+  std::vector<double> heights(std::span<const Foot> feet, std::span<const Vec3> smooth_normals) const;
+
+  /// The tensor of normals, sum of w n n^T with its largest eigenvalue 1, and the distance of the nearest
+  /// foot [m]. radius: of the window, at most the other one [m].
+  struct Normals {
+    Mat3 tensor = Mat3::Zero();
+    double nearest = kInfinity;
+  };
+  Normals normals_around(const Vec3& x, double radius) const;
+
+ private:
+  double radius_;
+  CellGrid grid_;
+  std::vector<std::uint32_t> foot_;  // of each, in the grid's order, which all arrays have
+  std::array<std::vector<double>, 3> y_, n_;
+  std::vector<double> weight_;
+};
+
+}  // namespace kappaflow

@@ -1,0 +1,317 @@
+#include "tools/experiments/kernels.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "scenes/toml_reader.h"
+#include "surface/field/particle_motion.h"
+#include "surface/measure/surface_state.h"
+#include "surface/mesh/mesh_measures.h"
+#include "surface/motion/velocity_methods.h"
+#include "surface/remesh/initial_mesh.h"
+#include "tools/experiments/fibonacci_sphere.h"
+#include "tools/io/files.h"
+#include "tools/io/particle_file.h"
+
+namespace kappaflow {
+namespace {
+
+// Limits.
+constexpr double kSmoother = 5;        // times
+constexpr double kVolumeError = 0.01;  // relative
+constexpr double kSheetError = 0.05;   // relative
+constexpr double kSlipShare = 1.05;    // of round kernels' slip
+
+// What is claimed.
+
+const Claim kIsSmooth{
+    "kappaflow", "Anisotropic kernels make a surface five times smoother.",
+    "RMS of its distance from the smooth one, and of the angle between the normals: of a ball "
+    "from a lattice, and of a flat surface of shaken particles."};
+const Claim kKeepsVolume{"kappaflow", "They keep the volume of a ball, and sheets of one particle and more.",
+                         "Volume and thickness beside those of the particles."};
+const Claim kIsFollowed{
+    "kappaflow", "The regional velocity slips no more on them than on round kernels.",
+    "It reads the motion along the surface from the round kernels of the same particles."};
+
+struct KernelsOptions {
+  std::string title;
+  double sigma = 0, ball = 0, shaken = 0;
+  std::vector<double> layers;
+  std::vector<std::string> frames;
+  double edge_length = 0;
+  VelocityOptions velocity;
+};
+
+KernelsOptions read_options(const ExperimentContext& context, bool quick_variant) {
+  const toml::table document = read_toml(context.file);
+  TomlTable root(document, "the experiment", context.file.string());
+  KernelsOptions o;
+  o.title = root.text("title");
+  TomlTable still = root.table("still", true), flow = root.table("flow", true), quick = root.table("quick");
+  root.finish();
+  o.sigma = still.number("sigma", {1.2, 6, false, "spacings"});
+  o.ball = still.number("ball", {1, 100, false, "spacings"});
+  o.shaken = still.number("shaken", {0, 0.5, true, "spacings"});
+  o.layers = still.numbers("layers", {1, 20, true, ""}, {});
+  still.finish();
+  o.frames = flow.texts("files");
+  o.edge_length = flow.number("edge_length", positive("m", 100));
+  o.velocity.damping = flow.number("damping", positive("", 1e3));
+  o.velocity.speed_limit = flow.number("speed_limit", positive("", 1e3));
+  flow.finish();
+  const int quick_frames = quick.integer("frames", 1, static_cast<int>(o.frames.size()), 1);
+  quick.finish();
+  if (quick_variant) o.frames.resize(quick_frames);
+  return o;
+}
+
+/// The points of a lattice with spacing 1 in |x| <= half.
+std::vector<Vec3> lattice_box(const Vec3& half) {
+  std::vector<Vec3> x;
+  const Vec3 last = (2 * half).array().floor();
+  for (int i = 0; i <= last[0]; ++i)
+    for (int j = 0; j <= last[1]; ++j)
+      for (int k = 0; k <= last[2]; ++k) x.push_back(Vec3(i, j, k) - 0.5 * last);
+  return x;
+}
+
+/// At rest, with half the field of their inside as threshold.
+std::shared_ptr<const Field> field_of(const std::vector<Vec3>& position, double sigma, Kernels kernels) {
+  constexpr double kKernelIntegral = 64 * std::numbers::pi / 315;  // of (1 - r^2)^3 over the unit ball
+  const std::size_t n = position.size();
+  return particle_field(FieldParticles{.position = position,
+                                       .velocity = std::vector<Vec3>(n, Vec3::Zero()),
+                                       .sigma = std::vector<double>(n, sigma),
+                                       .weight = std::vector<double>(n, 1.0),
+                                       .weight_rate = std::vector<double>(n, 0.0)},
+                        kernels, 0.5 * kKernelIntegral * sigma * sigma * sigma, 0);
+}
+
+/// How a surface lies along rays that should meet it at right angles and at the same distance.
+struct Waviness {
+  double height = 0;   ///< RMS of the distance less its mean [sigma]
+  double normals = 0;  ///< RMS of the angle to the rays [degrees]
+  double place = 0;    ///< volume of the ball, or height of the plane, over that of the particles
+};
+
+/// Where f falls to 0 from x on, and the angle between the surface's normal and the ray there [rad].
+struct Crossing {
+  double distance = 0, angle = 0;
+};
+
+Crossing crossing(const Field& field, const Vec3& x, const Vec3& direction, double farthest) {
+  double inside = 0, outside = farthest;
+  if (!(field.value_and_gradient(x).f > 0)) return {};
+  while (outside - inside > 1e-7 * farthest) {
+    const double middle = 0.5 * (inside + outside);
+    (field.value_and_gradient(x + middle * direction).f > 0 ? inside : outside) = middle;
+  }
+  const Vec3 normal = -field.value_and_gradient(x + inside * direction).g.normalized();
+  return {inside, std::acos(std::min(1.0, normal.dot(direction)))};
+}
+
+/// place: of the mean of `measure` of the distances.
+template <class Measure>
+Waviness waviness(const Field& field, double sigma, std::span<const Vec3> from,
+                  std::span<const Vec3> direction, double farthest, const Measure& measure) {
+  Waviness result;
+  double mean = 0, squares = 0;
+  const double n = static_cast<double>(from.size());
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const Crossing at = crossing(field, from[i], direction[i], farthest);
+    mean += at.distance / n;
+    squares += at.distance * at.distance / n;
+    result.normals += at.angle * at.angle / n;
+    result.place += measure(at.distance) / n;
+  }
+  result.height = std::sqrt(std::max(0.0, squares - mean * mean)) / sigma;
+  result.normals = std::sqrt(result.normals) * 180 / std::numbers::pi;
+  return result;
+}
+
+Waviness of_ball(const KernelsOptions& o, Kernels kernels) {
+  constexpr int kRays = 4000;
+  std::vector<Vec3> ball = lattice_box(Vec3::Constant(std::floor(o.ball) + 0.5));
+  std::erase_if(ball, [&](const Vec3& x) { return x.norm() > o.ball; });
+  const std::vector<Vec3> from(kRays, Vec3::Zero()), rays = fibonacci_sphere(kRays, Vec3(1, 2, 3), 0);
+  return waviness(*field_of(ball, o.sigma, kernels), o.sigma, from, rays, o.ball + 2, [&](double r) {
+    return 4 * std::numbers::pi / 3 * r * r * r / static_cast<double>(ball.size());
+  });
+}
+
+Waviness of_plane(const KernelsOptions& o, Kernels kernels) {
+  constexpr double kHalf = 17, kDepth = 3, kMeasured = 6;  // [spacings]
+  constexpr int kRays = 2000;
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> along(-1, 1);
+  const auto vector = [&] {
+    const double x = along(random), y = along(random), z = along(random);
+    return Vec3(x, y, z);
+  };
+  std::vector<Vec3> slab = lattice_box(Vec3(kHalf, kHalf, kDepth)), from;
+  for (Vec3& x : slab) x += o.shaken * vector();
+  for (int i = 0; i < kRays; ++i) from.push_back(kMeasured * vector().cwiseProduct(Vec3(1, 1, 0)));
+  return waviness(*field_of(slab, o.sigma, kernels), o.sigma, from, std::vector<Vec3>(kRays, Vec3::UnitZ()),
+                  kDepth + 2, [&](double z) { return z / (kDepth + 0.5); });
+}
+
+/// Thickness of a sheet of so many layers over that of its particles; 0 where it has no surface.
+double sheet(const KernelsOptions& o, Kernels kernels, double layers) {
+  constexpr double kHalf = 16;
+  const auto field = field_of(lattice_box(Vec3(kHalf, kHalf, 0.5 * (layers - 1))), o.sigma, kernels);
+  return 2 * crossing(*field, Vec3(0.5, 0.3, 0), Vec3::UnitZ(), layers + 2).distance / layers;
+}
+
+/// Radius of a thread of single particles over that of their volume.
+double thread(const KernelsOptions& o, Kernels kernels) {
+  const auto field = field_of(lattice_box(Vec3(0, 0, 20)), o.sigma, kernels);
+  return crossing(*field, Vec3(0, 0, 0.25), Vec3::UnitX(), 3).distance * std::sqrt(std::numbers::pi);
+}
+
+/// A number for either kind of kernels, in the order of kKernels.
+using OfKernels = std::array<double, std::size(kKernels)>;
+
+template <class Measure>
+OfKernels of_both(const Measure& measure) {
+  OfKernels result{};
+  for (std::size_t k = 0; k < result.size(); ++k) result[k] = measure(kKernels[k].value);
+  return result;
+}
+
+struct Measured {
+  std::string what;
+  OfKernels of;
+};
+
+struct StillResults {
+  std::vector<Measured> waviness;  // heights and normals
+  std::vector<Measured> place;     // over what it should be
+};
+
+StillResults still_results(const KernelsOptions& o) {
+  StillResults results;
+  const auto add = [&](const std::string& body, const std::string& place, const auto& measure) {
+    std::array<Waviness, std::size(kKernels)> of;
+    for (std::size_t k = 0; k < of.size(); ++k) of[k] = measure(o, kKernels[k].value);
+    results.waviness.push_back({fmt::format("{}, height [sigma]", body), {of[0].height, of[1].height}});
+    results.waviness.push_back({fmt::format("{}, normals [degrees]", body), {of[0].normals, of[1].normals}});
+    results.place.push_back({fmt::format("{}, {}", body, place), {of[0].place, of[1].place}});
+  };
+  add("ball", "volume", of_ball);
+  add("plane", "height", of_plane);
+  for (const double layers : o.layers)
+    results.place.push_back({fmt::format("sheet of {} particles, thickness", layers),
+                             of_both([&](Kernels kernels) { return sheet(o, kernels, layers); })});
+  results.place.push_back(
+      {"thread of one particle, radius", of_both([&](Kernels kernels) { return thread(o, kernels); })});
+  return results;
+}
+
+/// Slips of a method on a frame.
+struct FlowResult {
+  std::string frame, method;
+  OfKernels slip;
+};
+
+std::vector<FlowResult> flow_results(const KernelsOptions& o, const ExperimentContext& context) {
+  std::vector<FlowResult> results;
+  for (const std::string& file : o.frames) {
+    context.say(file);
+    const FieldParticles particles = read_particle_file(context.file.parent_path() / file);
+    const double threshold =
+        half_median_threshold(particles.position, particles.weight, particles.sigma.front());
+    const std::size_t first = results.size();
+    for (const VelocityMethod& method : velocity_methods())
+      results.push_back({std::filesystem::path(file).stem().string(), std::string(method.name), {}});
+    for (std::size_t k = 0; k < std::size(kKernels); ++k) {
+      const auto field = particle_field(particles, kKernels[k].value, threshold, 0);
+      const TriangleMesh mesh = initial_mesh(*field, o.edge_length, {});
+      const VertexRings rings = vertex_rings(mesh.vertex_count(), mesh.triangles);
+      for (std::size_t m = 0; m < velocity_methods().size(); ++m)
+        results[first + m].slip[k] =
+            slip(surface_state(*field, mesh, rings, velocity_methods()[m].evaluate, o.velocity))
+                .value_or(std::nan(""));
+    }
+  }
+  return results;
+}
+
+Table still_table(const std::vector<Measured>& rows, const std::string& caption, const char* format) {
+  Table table{caption, {"", "round", "anisotropic"}, {}};
+  for (const Measured& row : rows)
+    table.rows.push_back({row.what, fmt::format(fmt::runtime(format), row.of[0]),
+                          fmt::format(fmt::runtime(format), row.of[1])});
+  return table;
+}
+
+Table flow_table(const std::vector<FlowResult>& results) {
+  Table table{"Slip against the moving-least-squares velocity of the particles, by kernels.",
+              {"frame", "method", "round", "anisotropic"},
+              {}};
+  for (const FlowResult& r : results)
+    table.rows.push_back(
+        {r.frame, r.method, fmt::format("{:.3f}", r.slip[0]), fmt::format("{:.3f}", r.slip[1])});
+  return table;
+}
+
+void judge(const StillResults& still, const std::vector<FlowResult>& flow, Report& report) {
+  std::vector<Check> smooth, place, followed;
+  for (const Measured& m : still.waviness)
+    smooth.push_back(at_most(m.what, m.of[1], m.of[0] / kSmoother, "a fifth of round kernels'"));
+  for (const Measured& m : still.place) {
+    const bool is_sheet = m.what.starts_with("sheet");
+    if (m.what.starts_with("thread")) continue;
+    place.push_back(
+        at_most(m.what + ", error", std::abs(m.of[1] - 1), is_sheet ? kSheetError : kVolumeError));
+  }
+  for (const FlowResult& r : flow)
+    if (r.method == "regional")
+      followed.push_back(
+          at_most(r.frame, r.slip[1], kSlipShare * r.slip[0], "that of round kernels and 5 %"));
+  report.statements = {judged(kIsSmooth, smooth), judged(kKeepsVolume, place), judged(kIsFollowed, followed)};
+}
+
+std::string csv(const StillResults& still, const std::vector<FlowResult>& flow) {
+  std::string text = "case,round,anisotropic\n";
+  for (const auto* rows : {&still.waviness, &still.place})
+    for (const Measured& m : *rows) text += fmt::format("\"{}\",{:.8g},{:.8g}\n", m.what, m.of[0], m.of[1]);
+  for (const FlowResult& r : flow)
+    text += fmt::format("\"slip of {}, {}\",{:.8g},{:.8g}\n", r.method, r.frame, r.slip[0], r.slip[1]);
+  return text;
+}
+
+}  // namespace
+
+Report experiment_kernels(const ExperimentContext& context) {
+  const KernelsOptions options = read_options(context, context.options.quick);
+  context.say("particles at rest");
+  const StillResults still = still_results(options);
+  const std::vector<FlowResult> flow = flow_results(options, context);
+  write_file(context.folder / "kernels.csv", csv(still, flow));
+
+  Report report;
+  report.name = context.name;
+  report.title = options.title;
+  report.introduction = fmt::format(
+      "Particles of a lattice at rest, sigma {} spacings, threshold half the interior value; and {} frames "
+      "of a "
+      "viscous flow on a staircase that another simulator made (sigma 2 spacings).",
+      options.sigma, options.frames.size());
+  add_smaller(report, "frames of the flow", fmt::format("{}", options.frames.size()),
+              fmt::format("{}", read_options(context, false).frames.size()));
+  judge(still, flow, report);
+  report.tables = {
+      still_table(still.waviness, "Waviness: RMS distance from the smooth surface, and of the normals.",
+                  "{:.4f}"),
+      still_table(still.place, "Where the surface lies, over where the particles' volume puts it.", "{:.3f}"),
+      flow_table(flow)};
+  report.files = {"kernels.csv"};
+  return report;
+}
+
+}  // namespace kappaflow
