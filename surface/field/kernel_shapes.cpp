@@ -13,12 +13,12 @@ namespace kappaflow {
 namespace {
 
 // The shapes, see the header.
-constexpr double kStretch = 1.2;                   // [sigma] along a surface
-constexpr double kAcross = 0.5;                    // of the square of that, across it
-constexpr double kThin = 0.09, kHalfSpace = 0.33;  // [1] of variances: a half-space has a third across
-constexpr double kVarianceRadius = 1.5;            // [sigma]
-constexpr double kKernelVariance = 1.0 / 11;       // of (1 - r^2)^3 in the unit ball, along an axis
-constexpr double kFrameFromVariances = 0.2;        // [1] beside normals, for the axes of what has no normal
+constexpr double kStretch = 1.3;                  // [sigma] along a surface
+constexpr double kAcross = 0.5;                   // of the square of that, across it
+constexpr double kThin = 0.1, kHalfSpace = 0.33;  // [1] of variances: a half-space has a third across
+constexpr double kVarianceRadius = 1.5;           // [sigma]
+constexpr double kKernelVariance = 1.0 / 11;      // of (1 - r^2)^3 in the unit ball, along an axis
+constexpr double kFrameFromVariances = 0.2;       // [1] beside normals, for the axes of what has no normal
 // The surface that is smoothed.
 constexpr double kFirstLevel = 0.4;  // of T: a level set that sheets and threads of one particle have too
 constexpr double kDepth = 1.6;       // [sigma] that a particle is away from it at most
@@ -91,15 +91,25 @@ Mat3 squared_radii(double at_surface, const SurfaceFeet::Normals& normals, const
   return axes * s.asDiagonal() * axes.transpose();
 }
 
-void set_shapes(const FieldParticles& p, const SurfaceFeet& feet, KernelShapes& shapes) {
+/// field: whose surface the feet are on. A particle that has none around it, and is not in the depth of a
+/// body, is in the middle of an even sheet or thread: Newton's method does not know which way to go there.
+void set_shapes(const FieldParticles& p, const Field& field, double threshold, const SurfaceFeet& feet,
+                KernelShapes& shapes) {
+  constexpr double kSheet =
+      0.8;  // [T] a sheet of single particles has 0.6 more than the first level, a body 1.6
   const Variances variances(p.position, *std::ranges::max_element(p.sigma));
   parallel_for(p.position.size(), [&](std::size_t i) {
     const double sigma = p.sigma[i];
     const Vec3& x = p.position[i];
     const SurfaceFeet::Normals normals = feet.normals_around(x, kNormalsRadius * sigma);
     const double near = normals.nearest / (kDepth * sigma), at_surface = std::min(1.0, 2 * (1 - near * near));
-    const Mat3 S =
-        at_surface > 0 ? squared_radii(at_surface, normals, variances.around(x, sigma)) : Mat3::Identity();
+    const auto is_in_sheet = [&] {
+      const double f = field.value_and_gradient(x).f;
+      return f > 0 && f < kSheet * threshold;
+    };
+    const Mat3 S = at_surface > 0 || is_in_sheet()
+                       ? squared_radii(std::max(0.0, at_surface), normals, variances.around(x, sigma))
+                       : Mat3::Identity();
     shapes.shape[i] = symmetric(S.inverse() / (sigma * sigma));
     shapes.weight[i] = p.weight[i] / std::sqrt(S.determinant());
   });
@@ -136,11 +146,11 @@ KernelShapes shapes_of(const FieldParticles& p, double threshold) {
   const double radius = kRadius * *std::ranges::max_element(p.sigma);
   std::vector<Foot> feet(n);
   for (std::size_t i = 0; i < n; ++i) feet[i] = {.position = p.position[i], .distance = 0};
-  walk_to_surface(ParticleField(p, kFirstLevel * threshold, 0), p.position, p.sigma, kFirstSteps, kDepth,
-                  feet);
+  const ParticleField first(p, kFirstLevel * threshold, 0);
+  walk_to_surface(first, p.position, p.sigma, kFirstSteps, kDepth, feet);
   const SurfaceFeet surface(feet, radius);
   const std::vector<Vec3> normals = surface.smooth_normals(feet);
-  set_shapes(p, surface, shapes);
+  set_shapes(p, first, threshold, surface, shapes);
   smooth_centers(p, surface, feet, normals, shapes);
   walk_to_surface(field_of(p, shapes, threshold), p.position, p.sigma, kSecondSteps, kDepth, feet);
   smooth_centers(p, SurfaceFeet(feet, radius), feet, normals, shapes);

@@ -30,13 +30,13 @@ struct KernelShapes {
 
 /// Kernels after Yu & Turk (2013), "Reconstructing surfaces of particle-based fluids using anisotropic
 /// kernels", that keep the volume: M^-1 = sigma^2 S, where S has the eigenvalues
-///   s_a = 1.3^2 (1 - q_a/2) min(1, (c_a + 0.07)/0.33).
-/// q: of the tensor of the surface's normals around the particle, largest 1 at the surface and 0 in the
-/// depth; half as much across a surface as along it puts curved surfaces in the right place, to first order.
-/// c: variances of the particles around it over those inside a body; what is thinner than a half-space, a
-/// sheet or a thread, has kernels that are thinner still, and a lone particle a round one. The centres move
-/// along the normal by twice the height that the surface, smoothed over 3.6 sigma with weights to which
-/// planes and quadrics are smooth already, has over its own, at most 0.16 sigma, in two passes. See
+///   s_a = (1 + 0.69 m - 1.3^2 q_a/2) min(1, (c_a + 0.1)/0.33).
+/// m: 1 at the surface and 0 in the depth. q: of the tensor of the surface's normals around the particle, the
+/// largest one m; half as much across a surface as along it puts curved surfaces in the right place, to first
+/// order. c: variances of the particles around it over those inside a body; what is thinner than a
+/// half-space, a sheet or a thread, has kernels that are thinner still, and a lone particle a round one. The
+/// centres move along the normal by twice the height that the surface, smoothed over 3.6 sigma with weights
+/// to which planes and quadrics are smooth already, has over its own, at most 0.16 sigma, in two passes. See
 /// docs/kernels.md. threshold: T of the field [-].
 KernelShapes kernel_shapes(const FieldParticles& particles, double threshold);
 

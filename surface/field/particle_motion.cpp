@@ -44,9 +44,9 @@ SymmetricMatrix rate(const SymmetricMatrix& before, const SymmetricMatrix& after
 }
 
 /// Kernels of particles whose velocities are all that is known of their motion: their rates are the
-/// difference to where the fastest particle is after a hundredth of a sigma.
+/// difference to where they are when the fastest has gone a thousandth of a sigma.
 FieldKernels kernels_of(const FieldParticles& particles, double threshold) {
-  constexpr double kLookAhead = 0.01;  // [sigma]
+  constexpr double kLookAhead = 0.001;  // [sigma]
   KernelShapes shapes = kernel_shapes(particles, threshold);
   const std::size_t n = particles.position.size();
   FieldKernels kernels{.center = particles.position,

@@ -14,6 +14,7 @@ constexpr double kLargestStep = 0.4;     // [sigma] of Newton's method
 constexpr double kSmallestSlope = 0.05;  // [1] change of f over one sigma, in units of that of a surface
 constexpr double kConverged = 0.01;      // [sigma] a foot's distance from the level set
 constexpr double kLeastAgreement = 0.7;  // [1] cosine between normals that say nothing about each other
+constexpr double kFarthest = 1.3;        // [sigma] from its particle: what is further away has no say
 constexpr double kCellsPerRadius = 3;    // a box of cells holds a window closely
 
 }  // namespace
@@ -47,7 +48,7 @@ SurfaceFeet::SurfaceFeet(std::span<const Foot> feet, double radius) : radius_(ra
   std::vector<Vec3> place;
   std::vector<std::uint32_t> known;
   for (std::uint32_t i = 0; i < feet.size(); ++i)
-    if (feet[i].distance < 1) {
+    if (feet[i].distance < kFarthest) {
       place.push_back(feet[i].position);
       known.push_back(i);
     }
@@ -60,7 +61,7 @@ SurfaceFeet::SurfaceFeet(std::span<const Foot> feet, double radius) : radius_(ra
   for (std::size_t k = 0; k < n; ++k) {
     foot_[k] = known[grid_.order()[k]];
     for (int a = 0; a < 3; ++a) y_[a][k] = feet[foot_[k]].position[a], n_[a][k] = feet[foot_[k]].normal[a];
-    weight_[k] = std::pow(1 - std::pow(feet[foot_[k]].distance, 2), 2);
+    weight_[k] = std::pow(1 - std::pow(feet[foot_[k]].distance / kFarthest, 2), 2);
   }
 }
 

@@ -25,7 +25,8 @@ void walk_to_surface(const Field& field, std::span<const Vec3> origin, std::span
                      int steps, double farthest, std::vector<Foot>& feet);
 
 /// Sums over feet around a point. Weights fall as (1 - r^2/radius^2)^3 with the distance r, with the angle
-/// between normals, and as (1 - t^2)^2, t sigma the distance of the particle: the outermost ones tell best.
+/// between normals, and as (1 - t^2)^2 with t the distance of the particle over 1.3 sigma: the outermost ones
+/// tell best.
 class SurfaceFeet {
  public:
   /// radius: of the window [m].

@@ -26,14 +26,16 @@ void evaluate_material(const Field& field, const SurfacePoints& points, const Ve
     evaluate_carried(field, points.position, result);
     return;
   }
-  evaluate_pointwise(field, points, options, result, [&](const Vec3& x, const Jet& jet) {
+  evaluate_each(points, result, [&](const Vec3& x) -> PointVelocity {
+    const Jet jet = field.jet(x);
+    if (!has_gradient(jet)) return {};
     const std::optional<Vec3> material = field.material_velocity(x);
     if (!material)
       throw InvalidInput(
           "method material: the field has no particle velocities; choose a method that needs none");
     const Vec3 n = jet.g.normalized();
     const Vec3 tangential = *material - material->dot(n) * n;
-    return PointVelocity{.velocity = normal_velocity(jet, options) + tangential, .confidence = 1};
+    return {.velocity = normal_velocity(jet, options) + tangential, .confidence = 1};
   });
 }
 

@@ -26,16 +26,28 @@ inline Vec3 limited(const Vec3& v, double limit) {
   return length > limit ? Vec3(limit / length * v) : v;
 }
 
+/// Calls point_velocity(x) -> PointVelocity at every point, in parallel.
+template <class Evaluate>
+void evaluate_each(const SurfacePoints& points, VelocitySpans result, const Evaluate& point_velocity) {
+  constexpr std::size_t kPointsPerTask = 64;
+  parallel_for(
+      points.position.size(),
+      [&](std::size_t i) {
+        const PointVelocity at_point = point_velocity(points.position[i]);
+        result.velocity[i] = at_point.velocity;
+        result.confidence[i] = at_point.confidence;
+      },
+      kPointsPerTask);
+}
+
 /// Calls point_velocity(x, jet) -> PointVelocity at every point where the field has a gradient; zero
 /// elsewhere. Of a field with a pattern the jet is the pattern's: the velocity along the surface follows from
 /// it, and Eq. 4 of the field itself goes across.
 template <class Evaluate>
 void evaluate_pointwise(const Field& field, const SurfacePoints& points, const VelocityOptions& options,
                         VelocitySpans result, const Evaluate& point_velocity) {
-  const std::size_t n = points.position.size();
-  constexpr std::size_t kPointsPerTask = 64;
   const Field& pattern = field.pattern();
-  const auto at_point = [&](const Vec3& x) -> PointVelocity {
+  evaluate_each(points, result, [&](const Vec3& x) -> PointVelocity {
     const Jet jet = pattern.jet(x);
     if (!has_gradient(jet)) return {};
     PointVelocity at = point_velocity(x, jet);
@@ -45,15 +57,7 @@ void evaluate_pointwise(const Field& field, const SurfacePoints& points, const V
     const Vec3 normal = own.g.normalized();
     at.velocity += normal_velocity(own, options) - at.velocity.dot(normal) * normal;
     return at;
-  };
-  parallel_for(
-      n,
-      [&](std::size_t i) {
-        const PointVelocity at = at_point(points.position[i]);
-        result.velocity[i] = at.velocity;
-        result.confidence[i] = at.confidence;
-      },
-      kPointsPerTask);
+  });
 }
 
 }  // namespace kappaflow
