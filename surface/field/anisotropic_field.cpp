@@ -84,7 +84,7 @@ void AnisotropicField::set_kernels(const FieldParticles& particles, const FieldK
                   .shape_rate = kernels.shape_rate[i],
                   .weight_rate = kernels.weight_rate[i],
                   .sigma = particles.sigma[i],
-                  .speed = particles.velocity[i].norm(),
+                  .material = particles.velocity[i],
                   .extent = extent[i]};
   });
 }
@@ -139,7 +139,7 @@ inline void AnisotropicField::load_hits(const Vec3& x, std::span<const std::uint
     hits.weight[n] = weight_[k];
     hits.weight_rate[n] = source.weight_rate;
     hits.sigma[n] = source.sigma;
-    hits.speed[n] = source.speed;
+    hits.speed[n] = source.material.norm();
     ++n;
   }
   for (; n % KernelHits::kLanes != 0; ++n) {
@@ -160,6 +160,24 @@ Jet AnisotropicField::jet(const Vec3& x) const {
     for (std::size_t first = 0; first < hits.count; first += KernelHits::kLanes) sums.add(hits, first);
   });
   return sums.jet(threshold_, cloud_speed_);
+}
+
+std::optional<Vec3> AnisotropicField::material_velocity(const Vec3& x) const {
+  if (const std::optional<Vec3> fitted = pattern_.material_velocity(x); fitted || cloud_speed_ > 0)
+    return fitted;
+  Vec3 sum = Vec3::Zero();
+  double weights = 0;
+  visit_hits(x, [&](std::span<const std::uint32_t> indices) {
+    for (const std::uint32_t k : indices) {
+      SymmetricMatrix shape;
+      for (int ab = 0; ab < 6; ++ab) shape[ab] = shape_[ab][k];
+      const Vec3 d = x - center(k);
+      const double phi = weight_[k] * std::pow(1 - d.dot(full(shape) * d), 3);
+      sum += phi * source_[k].material;
+      weights += phi;
+    }
+  });
+  return weights > 0 ? std::optional<Vec3>(sum / weights) : std::nullopt;
 }
 
 ValueAndGradient AnisotropicField::value_and_gradient(const Vec3& x) const {

@@ -33,9 +33,8 @@ class AnisotropicField final : public Field {
   Bounds bounds() const override { return bounds_; }
   double length_scale() const override { return pattern_.length_scale(); }  ///< that of round kernels
   double fastest_speed() const override { return pattern_.fastest_speed(); }
-  std::optional<Vec3> material_velocity(const Vec3& x) const override {
-    return pattern_.material_velocity(x);
-  }
+  /// That of the pattern; where only flat kernels reach, the mean of their particles' with the weights w phi.
+  std::optional<Vec3> material_velocity(const Vec3& x) const override;
   const Field& pattern() const override { return pattern_; }
   std::optional<std::vector<std::array<int, 3>>> occupied_cubes(const SampledField& lattice,
                                                                 int cells) const override;
@@ -47,8 +46,9 @@ class AnisotropicField final : public Field {
   struct Source {
     Vec3 velocity;
     SymmetricMatrix shape_rate;
-    double weight_rate, sigma, speed;
-    Vec3 extent;  // of the box about the support, from its middle [m]
+    double weight_rate, sigma;
+    Vec3 material;  // the particle's velocity [m/s]
+    Vec3 extent;    // of the box about the support, from its middle [m]
   };
 
   void set_kernels(const FieldParticles& particles, const FieldKernels& kernels,

@@ -42,18 +42,18 @@ void evaluate_each(const SurfacePoints& points, VelocitySpans result, const Eval
 
 /// Calls point_velocity(x, jet) -> PointVelocity at every point where the field has a gradient; zero
 /// elsewhere. Of a field with a pattern the jet is the pattern's: the velocity along the surface follows from
-/// it, and Eq. 4 of the field itself goes across.
+/// it, and Eq. 4 of the field itself goes across; where the pattern has no gradient the field is its own.
 template <class Evaluate>
 void evaluate_pointwise(const Field& field, const SurfacePoints& points, const VelocityOptions& options,
                         VelocitySpans result, const Evaluate& point_velocity) {
   const Field& pattern = field.pattern();
   evaluate_each(points, result, [&](const Vec3& x) -> PointVelocity {
     const Jet jet = pattern.jet(x);
-    if (!has_gradient(jet)) return {};
-    PointVelocity at = point_velocity(x, jet);
-    if (&pattern == &field) return at;
+    if (&pattern == &field) return has_gradient(jet) ? point_velocity(x, jet) : PointVelocity{};
     const Jet own = field.jet(x);
     if (!has_gradient(own)) return {};
+    if (!has_gradient(jet)) return point_velocity(x, own);
+    PointVelocity at = point_velocity(x, jet);
     const Vec3 normal = own.g.normalized();
     at.velocity += normal_velocity(own, options) - at.velocity.dot(normal) * normal;
     return at;

@@ -47,10 +47,10 @@ LocalMotion local_motion(const Field& field, std::span<const Vec3> position, con
       n,
       [&](std::size_t v) {
         StrainResponse strain;
-        const Jet jet = pattern.jet(position[v], strain);
-        if (!has_gradient(jet)) return;
+        Jet jet = pattern.jet(position[v], strain);
         const Jet own = has_pattern ? field.jet(position[v]) : jet;
         if (!has_gradient(own)) return;
+        if (!has_gradient(jet)) jet = own, strain = {};
         local.normal[v] = own.g.normalized();
         local.normal_velocity[v] = normal_velocity(own, options);
         local.length_scale[v] = jet.length_scale;

@@ -199,17 +199,17 @@ StillResults still_results(const KernelsOptions& o) {
   const auto add = [&](const std::string& body, const std::string& place, const auto& measure) {
     std::array<Waviness, std::size(kKernels)> of;
     for (std::size_t k = 0; k < of.size(); ++k) of[k] = measure(o, kKernels[k].value);
-    results.waviness.push_back({fmt::format("{}, height [sigma]", body), {of[0].height, of[1].height}});
-    results.waviness.push_back({fmt::format("{}, normals [degrees]", body), {of[0].normals, of[1].normals}});
-    results.place.push_back({fmt::format("{}, {}", body, place), {of[0].place, of[1].place}});
+    results.waviness.push_back({fmt::format("{}: height [sigma]", body), {of[0].height, of[1].height}});
+    results.waviness.push_back({fmt::format("{}: normals [degrees]", body), {of[0].normals, of[1].normals}});
+    results.place.push_back({fmt::format("{}: {}", body, place), {of[0].place, of[1].place}});
   };
   add("ball", "volume", of_ball);
   add("plane", "height", of_plane);
   for (const double layers : o.layers)
-    results.place.push_back({fmt::format("sheet of {} particles, thickness", layers),
+    results.place.push_back({fmt::format("sheet of {} particles: thickness", layers),
                              of_both([&](Kernels kernels) { return sheet(o, kernels, layers); })});
   results.place.push_back(
-      {"thread of one particle, radius", of_both([&](Kernels kernels) { return thread(o, kernels); })});
+      {"thread of one particle: radius", of_both([&](Kernels kernels) { return thread(o, kernels); })});
   return results;
 }
 
@@ -269,8 +269,7 @@ void judge(const StillResults& still, const std::vector<FlowResult>& flow, Repor
   for (const Measured& m : still.place) {
     const bool is_sheet = m.what.starts_with("sheet");
     if (m.what.starts_with("thread")) continue;
-    place.push_back(
-        at_most(m.what + ", error", std::abs(m.of[1] - 1), is_sheet ? kSheetError : kVolumeError));
+    place.push_back(at_most(m.what + " error", std::abs(m.of[1] - 1), is_sheet ? kSheetError : kVolumeError));
   }
   for (const FlowResult& r : flow)
     if (r.method == "regional")
@@ -282,9 +281,9 @@ void judge(const StillResults& still, const std::vector<FlowResult>& flow, Repor
 std::string csv(const StillResults& still, const std::vector<FlowResult>& flow) {
   std::string text = "case,round,anisotropic\n";
   for (const auto* rows : {&still.waviness, &still.place})
-    for (const Measured& m : *rows) text += fmt::format("\"{}\",{:.8g},{:.8g}\n", m.what, m.of[0], m.of[1]);
+    for (const Measured& m : *rows) text += fmt::format("{},{:.8g},{:.8g}\n", m.what, m.of[0], m.of[1]);
   for (const FlowResult& r : flow)
-    text += fmt::format("\"slip of {}, {}\",{:.8g},{:.8g}\n", r.method, r.frame, r.slip[0], r.slip[1]);
+    text += fmt::format("slip of {} on {},{:.8g},{:.8g}\n", r.method, r.frame, r.slip[0], r.slip[1]);
   return text;
 }
 
@@ -313,6 +312,16 @@ Report experiment_kernels(const ExperimentContext& context) {
                   "{:.4f}"),
       still_table(still.place, "Where the surface lies, over where the particles' volume puts it.", "{:.3f}"),
       flow_table(flow)};
+  std::vector<Plot> plots{{"Frames of a real flow", "frame", "slip", {}}};
+  for (const char* method : {"curvature", "regional"})
+    for (std::size_t k = 0; k < std::size(kKernels); ++k) {
+      Curve curve{.title = fmt::format("{}, {}", method, kKernels[k].name), .points = {}};
+      for (const FlowResult& r : flow)
+        if (r.method == method)
+          curve.points.emplace_back(static_cast<double>(curve.points.size() + 1), r.slip[k]);
+      plots.front().curves.push_back(std::move(curve));
+    }
+  add_plots(report, context, "kernels", plots, "Slip on the frames, in their order, by kernels.");
   report.files = {"kernels.csv"};
   return report;
 }

@@ -172,6 +172,22 @@ TEST(AnisotropicField, HasEquation12AsItsPattern) {
   EXPECT_EQ(&round.pattern(), &round) << "a field is its own pattern";
 }
 
+// A flat kernel reaches further than the round one of its particle.
+TEST(AnisotropicField, KnowsTheMaterialsVelocityWhereverItIsPositive) {
+  const FieldParticles particles{.position = {Vec3::Zero()},
+                                 .velocity = {Vec3(1, 2, 3)},
+                                 .sigma = {1},
+                                 .weight = {1},
+                                 .weight_rate = {0}};
+  FieldKernels kernels = round_kernels(particles);
+  kernels.velocity[0] = Vec3(7, 7, 7);  // of its centre
+  kernels.shape[0] = {0.25, 0, 0, 0.25, 0, 4};
+  const AnisotropicField field(particles, kernels, 0.1, 0);
+  EXPECT_FALSE(field.pattern().material_velocity(Vec3(1.2, 0, 0)).has_value());
+  EXPECT_LT((field.material_velocity(Vec3(1.2, 0, 0)).value() - Vec3(1, 2, 3)).norm(), 1e-14);
+  EXPECT_FALSE(field.material_velocity(Vec3(2.1, 0, 0)).has_value());
+}
+
 TEST(AnisotropicField, RefusesKernelsThatMakeNoSense) {
   const auto good = random_kernels(71, 3, 1);
   const auto expect_refused = [&](auto&& spoil) {

@@ -1,4 +1,6 @@
 // The quick experiments' numbers against those of an independent implementation and against theory.
+#include <fmt/format.h>
+
 #include <cmath>
 #include <cstdlib>
 #include <optional>
@@ -211,6 +213,23 @@ TEST_F(QuickExperiment, Motions) {
   }
   EXPECT_LT(error("regional", "staircase_frame_05"), 0.05);
   EXPECT_LT(error("regional", "staircase_frame_12"), 0.06);
+}
+
+TEST_F(QuickExperiment, Kernels) {
+  run("kernels", "kernels.csv");
+  const auto of = [&](const char* what, const char* kernels) { return value({{"case", what}}, kernels); };
+  // Those of an independent implementation, whose rays are others.
+  EXPECT_NEAR(of("ball: height [sigma]", "round"), 0.0290, 0.0005);
+  EXPECT_NEAR(of("ball: normals [degrees]", "round"), 5.67, 0.1);
+  EXPECT_LT(5 * of("ball: height [sigma]", "anisotropic"), of("ball: height [sigma]", "round"));
+  EXPECT_LT(5 * of("ball: normals [degrees]", "anisotropic"), of("ball: normals [degrees]", "round"));
+  EXPECT_NEAR(of("ball: volume", "anisotropic"), 1, 0.01);
+  EXPECT_EQ(of("sheet of 1 particles: thickness", "round"), 0);
+  EXPECT_NEAR(of("sheet of 1 particles: thickness", "anisotropic"), 1, 0.05);
+  for (const char* frame : {"staircase_frame_05", "staircase_frame_12"}) {
+    const std::string slip = fmt::format("slip of regional on {}", frame);
+    EXPECT_LT(of(slip.c_str(), "anisotropic"), 1.05 * of(slip.c_str(), "round"));
+  }
 }
 
 TEST_F(QuickExperiment, Minimisers) {
