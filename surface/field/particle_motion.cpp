@@ -61,7 +61,10 @@ FieldKernels kernels_of(const FieldParticles& particles, double threshold) {
   if (!(fastest > 0)) return kernels;
   const double dt = kLookAhead * *std::ranges::min_element(particles.sigma) / fastest;
   FieldParticles later = particles;
-  for (std::size_t i = 0; i < n; ++i) later.position[i] += dt * particles.velocity[i];
+  for (std::size_t i = 0; i < n; ++i) {
+    later.position[i] += dt * particles.velocity[i];
+    later.weight[i] += dt * particles.weight_rate[i];
+  }
   const KernelShapes after = kernel_shapes(later, threshold);
   for (std::size_t i = 0; i < n; ++i) {
     kernels.velocity[i] += (after.offset[i] - shapes.offset[i]) / dt;

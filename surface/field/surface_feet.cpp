@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kGrain = 64;       // feet of a task
 constexpr double kLargestStep = 0.4;     // [sigma] of Newton's method
-constexpr double kSmallestSlope = 0.05;  // [1] change of f over one sigma, in units of that of a surface
+constexpr double kSmallestSlope = 0.05;  // [1] change of f over one sigma; a surface's is 0.5 and more
 constexpr double kConverged = 0.01;      // [sigma] a foot's distance from the level set
 constexpr double kLeastAgreement = 0.7;  // [1] cosine between normals that say nothing about each other
 constexpr double kFarthest = 1.3;        // [sigma] from its particle: what is further away has no say

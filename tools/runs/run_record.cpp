@@ -65,6 +65,7 @@ Json::Value common_record(const std::vector<std::string>& command, int threads,
   record["anchor"] = std::string(name_of(kAnchors, surface.anchor));
   record["sigma"] = sigma;
   if (threshold) {
+    record["kernels"] = std::string(name_of(kKernels, surface.kernels));
     record["threshold"] = *threshold;
     record["threshold_rule"] = surface.threshold ? "number" : "auto";
   }
