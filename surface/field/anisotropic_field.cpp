@@ -163,8 +163,7 @@ Jet AnisotropicField::jet(const Vec3& x) const {
 }
 
 std::optional<Vec3> AnisotropicField::material_velocity(const Vec3& x) const {
-  if (const std::optional<Vec3> fitted = pattern_.material_velocity(x); fitted || cloud_speed_ > 0)
-    return fitted;
+  if (std::optional<Vec3> fitted = pattern_.material_velocity(x); fitted || cloud_speed_ > 0) return fitted;
   Vec3 sum = Vec3::Zero();
   double weights = 0;
   visit_hits(x, [&](std::span<const std::uint32_t> indices) {

@@ -72,7 +72,7 @@ std::vector<Vec3> SurfaceFeet::smooth_normals(std::span<const Foot> feet) const 
       feet.size(),
       [&](std::size_t i) {
         if (feet[i].distance == kInfinity) return;
-        const Vec3 y = feet[i].position, n = feet[i].normal;
+        const Vec3 &y = feet[i].position, &n = feet[i].normal;
         Vec3 sum = Vec3::Zero();
         grid_.ranges_near(y, radius_, [&](std::uint32_t begin, std::uint32_t end) {
           const double *yx = y_[0].data(), *yy = y_[1].data(), *yz = y_[2].data(), *nx = n_[0].data(),
@@ -107,7 +107,7 @@ std::vector<double> SurfaceFeet::heights(std::span<const Foot> feet, std::span<c
       feet.size(),
       [&](std::size_t i) {
         if (feet[i].distance == kInfinity) return;
-        const Vec3 y = feet[i].position, n = feet[i].normal, own = smooth[i];
+        const Vec3 &y = feet[i].position, &n = feet[i].normal, &own = smooth[i];
         double weights = 0, sum = 0;
         grid_.ranges_near(y, radius_, [&](std::uint32_t begin, std::uint32_t end) {
           const double *yx = y_[0].data(), *yy = y_[1].data(), *yz = y_[2].data(), *nx = n_[0].data(),
