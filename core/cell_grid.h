@@ -53,7 +53,7 @@ class CellGrid {
   std::size_t bytes() const { return bytes_of(cell_start_, order_, cell_of_); }
 
   /// Calls visit(begin, end) for runs [begin, end) of cell order that together hold every point within
-  /// `radius` of x (and others). At most (2 radius / cell size + 2)^2 runs.
+  /// `radius` of x along each axis (and others). At most (2 radius / cell size + 2)^2 runs.
   template <class Point, class Visit>
   void ranges_near(const Point& x, double radius, const Visit& visit) const;
 

@@ -33,17 +33,15 @@ T value_named(const Named<T> (&table)[N], const char* option, const std::string&
   throw InvalidInput(fmt::format("{}: '{}'; allowed are {}", option, name, fmt::join(allowed, ", ")));
 }
 
-/// sigma: [m]; empty: two spacings of the particles, which are measured then.
+/// sigma: [m]; empty: usual_sigma() spacings of the particles, which are measured then.
 SurfaceOptions field_choices(std::optional<double> sigma, std::optional<double> threshold,
                              const std::string& weights, const std::string& kernels) {
   SurfaceOptions options;
-  if (sigma) {
-    options.sigma = *sigma;
-    options.spacing = 1;
-  }
+  options.kernels = value_named(kKernels, "kernels", kernels);
+  options.sigma = sigma.value_or(usual_sigma(options.kernels));
+  if (sigma) options.spacing = 1;
   options.threshold = threshold;
   options.weights = value_named(kWeightRules, "weights", weights);
-  options.kernels = value_named(kKernels, "kernels", kernels);
   return options;
 }
 

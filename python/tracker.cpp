@@ -31,7 +31,8 @@ void make_tracker(Tracker* self, Particles& first, const Particles* next, const 
 
 /// Throws InvalidInput where the surface of a point cloud moves too far to be followed.
 void check_motion_to(const Particles& next, const TrackedSurfaces& surfaces) {
-  const ParticleFieldOptions& options = surfaces.field_options();
+  ParticleFieldOptions options = surfaces.field_options();
+  options.kernels = Kernels::round;  // their surface is where others' is, but for the waves
   const auto before = particle_field(surfaces.particles(), options), after = particle_field(next, options);
   check_cloud_motion("the particles", *before, *after, options.sigma);
 }

@@ -185,7 +185,7 @@ class Field(SurfaceField):
     """Eq. 12 of particles: f(x, t) = sum_i w_i (1 - |x - x_i(t)|^2/sigma^2)^3 - T over those within sigma.
 
     positions: (n, 3) [m]. velocities: (n, 3) [m/s], for the rates; at rest unless given. time: [s].
-    sigma: support radius [m]; 2 particle spacings, which are measured, unless given. scales: (n,) how large each particle is
+    sigma: support radius [m]; 2 particle spacings, which are measured, unless given (2.5 for anisotropic kernels). scales: (n,) how large each particle is
     beside those that sigma is meant for, > 0: sigma_i = scale_i sigma.
     threshold: T; half the median of the field at the particles unless given.
     weights: "uniform", w_i = 1, or "normalised", w_i = 1/sum_j (1 - r_ij^2)^3, which keeps thin sheets and lone drops.

@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 #include <random>
 
-#include "surface/field/particle_field.h"
+#include "surface/field/particle_motion.h"
 #include "surface/motion/curvature_invariance.h"
 #include "surface/motion/normal.h"
 #include "surface/motion/total.h"
@@ -97,6 +97,35 @@ void material_velocity(benchmark::State& state) {
   run_pointwise(state, [](const ParticleField& field, const Vec3& x) { return field.material_velocity(x); });
 }
 BENCHMARK(material_velocity)->Arg(20)->Arg(47);
+
+/// As run_pointwise(), of the same particles with anisotropic kernels.
+template <class Evaluate>
+void run_anisotropic(benchmark::State& state, const Evaluate& evaluate) {
+  const int side = static_cast<int>(state.range(0));
+  const Scene scene(side);
+  const auto field = particle_field(Scene::particles(side), Kernels::anisotropic, 2.6, 0);
+  std::size_t i = 0;
+  for (auto _ : state) benchmark::DoNotOptimize(evaluate(*field, scene.points[i++ % scene.points.size()]));
+  state.SetItemsProcessed(state.iterations());
+}
+
+void anisotropic_jet(benchmark::State& state) {
+  run_anisotropic(state, [](const Field& field, const Vec3& x) { return field.jet(x); });
+}
+BENCHMARK(anisotropic_jet)->Arg(20)->Arg(47);
+
+void anisotropic_value_and_gradient(benchmark::State& state) {
+  run_anisotropic(state, [](const Field& field, const Vec3& x) { return field.value_and_gradient(x); });
+}
+BENCHMARK(anisotropic_value_and_gradient)->Arg(20)->Arg(47);
+
+void make_kernel_shapes(benchmark::State& state) {
+  const tbb::global_control one_core(tbb::global_control::max_allowed_parallelism, 1);
+  const FieldParticles particles = Scene::particles(static_cast<int>(state.range(0)));
+  for (auto _ : state) benchmark::DoNotOptimize(kernel_shapes(particles, 2.6).weight.front());
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(particles.position.size()));
+}
+BENCHMARK(make_kernel_shapes)->Arg(20)->Arg(47)->Unit(benchmark::kMillisecond);
 
 void build_field(benchmark::State& state) {
   const tbb::global_control one_core(tbb::global_control::max_allowed_parallelism, 1);

@@ -32,14 +32,16 @@ std::vector<Vec3> checked_extents(const FieldParticles& particles, const FieldKe
     if (!(M(0, 0) > 0 && minor > 0 && M.determinant() > 0))
       throw InvalidInput(fmt::format("field kernel {}: its shape is not positive definite", i));
     extent[i] = M.inverse().diagonal().cwiseSqrt();
-    if (!extent[i].allFinite() || !kernels.center[i].allFinite() || !kernels.velocity[i].allFinite() ||
-        !rate.allFinite() || !std::isfinite(kernels.weight[i]) || !std::isfinite(kernels.weight_rate[i]))
-      throw InvalidInput(fmt::format("field kernel {}: a number is not finite", i));
+    if (!extent[i].allFinite() || !(extent[i].minCoeff() > 0) || !kernels.center[i].allFinite() ||
+        !kernels.velocity[i].allFinite() || !rate.allFinite() || !std::isfinite(kernels.weight[i]) ||
+        !std::isfinite(kernels.weight_rate[i]))
+      throw InvalidInput(
+          fmt::format("field kernel {}: a number is not finite, or its support is a point", i));
   }
   return extent;
 }
 
-/// Of the farthest point of each support from its middle, a little more than less [m].
+/// At least the distance of the farthest point of each support from its middle [m].
 std::vector<double> reaches_of(std::span<const Vec3> extent) {
   std::vector<double> reach(extent.size());
   std::ranges::transform(extent, reach.begin(), [](const Vec3& e) { return e.norm(); });
@@ -62,14 +64,19 @@ void AnisotropicField::set_kernels(const FieldParticles& particles, const FieldK
   if (n == 0) return;
   std::vector<Vec3> place(n);
   bounds_ = {kernels.center[kept[0]], kernels.center[kept[0]]};
+  smallest_sigma_ = kInfinity;
+  fastest_speed_ = cloud_speed_;
   for (std::size_t k = 0; k < n; ++k) {
     place[k] = kernels.center[kept[k]];
     const Vec3& half = extent[kept[k]];
     bounds_.lower = bounds_.lower.cwiseMin(place[k] - half);
     bounds_.upper = bounds_.upper.cwiseMax(place[k] + half);
     reach_ = std::max(reach_, half.maxCoeff());
+    smallest_sigma_ = std::min(smallest_sigma_, particles.sigma[kept[k]]);
+    fastest_speed_ = std::max(fastest_speed_, particles.velocity[kept[k]].norm());
   }
-  // A box of cells about the ball of reach: with cells half as large it holds half as much.
+  // With cells half as large as the reach, those about a point hold half as much. (The box of a support may
+  // have its corners further away: ranges_near() visits all cells that meet a box.)
   grid_.build(std::span<const Vec3>(place), 0.5 * reach_);
   for (auto& array : center_) array.resize(n);
   for (auto& array : shape_) array.resize(n);

@@ -31,8 +31,8 @@ class AnisotropicField final : public Field {
   Jet jet(const Vec3& x) const override;
   ValueAndGradient value_and_gradient(const Vec3& x) const override;
   Bounds bounds() const override { return bounds_; }
-  double length_scale() const override { return pattern_.length_scale(); }  ///< that of round kernels
-  double fastest_speed() const override { return pattern_.fastest_speed(); }
+  double length_scale() const override { return smallest_sigma_; }  ///< that of round kernels
+  double fastest_speed() const override { return fastest_speed_; }
   /// That of the pattern; where only flat kernels reach, the mean of their particles' with the weights w phi.
   std::optional<Vec3> material_velocity(const Vec3& x) const override;
   const Field& pattern() const override { return pattern_; }
@@ -61,7 +61,8 @@ class AnisotropicField final : public Field {
 
   ParticleField pattern_;
   double threshold_, cloud_speed_;
-  double reach_ = 0;  // of the farthest-reaching kernel [m]
+  double smallest_sigma_ = 0, fastest_speed_ = 0;
+  double reach_ = 0;  // half the longest edge of a support's box [m]
   CellGrid grid_;
   // All in the grid's cell order. value_and_gradient() reads the first three only.
   std::array<std::vector<double>, 3> center_;

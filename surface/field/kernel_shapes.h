@@ -19,6 +19,11 @@ enum class Kernels {
 inline constexpr Named<Kernels> kKernels[] = {{"round", Kernels::round},
                                               {"anisotropic", Kernels::anisotropic}};
 
+/// The support radius that suits kernels [particle spacings]: anisotropic ones have few waves left at 2.5.
+constexpr double usual_sigma(Kernels kernels) {
+  return kernels == Kernels::round ? 2 : 2.5;
+}
+
 /// How each particle's kernel differs from the round one. One entry a particle.
 struct KernelShapes {
   std::vector<Vec3> offset;            ///< c_i - x_i [m]
@@ -30,14 +35,16 @@ struct KernelShapes {
 
 /// Kernels after Yu & Turk (2013), "Reconstructing surfaces of particle-based fluids using anisotropic
 /// kernels", that keep the volume: M^-1 = sigma^2 S, where S has the eigenvalues
-///   s_a = (1 + 0.69 m - 1.3^2 q_a/2) min(1, (c_a + 0.1)/0.33).
+///   s_a = 1 + 1.25 m - 1.5^2 q_a/2.
 /// m: 1 at the surface and 0 in the depth. q: of the tensor of the surface's normals around the particle, the
 /// largest one m; half as much across a surface as along it puts curved surfaces in the right place, to first
-/// order. c: variances of the particles around it over those inside a body; what is thinner than a
-/// half-space, a sheet or a thread, has kernels that are thinner still, and a lone particle a round one. The
-/// centres move along the normal by twice the height that the surface, smoothed over 3.6 sigma with weights
-/// to which planes and quadrics are smooth already, has over its own, at most 0.16 sigma, in two passes. See
-/// docs/kernels.md. threshold: T of the field [-].
+/// order. Where the particles around vary little along an axis, they are a sheet, or a thread where along
+/// two: across it s = (1.25 d)^2 - 2.25 c, with d the thickness that the sum of round kernels tells [sigma]
+/// and c the variance over that of the inside, and the weight puts the surface d/2 from the middle. A
+/// particle that has no others near keeps its round kernel. The centres move along the normal by twice the
+/// height that the surface, smoothed over 3.6 sigma with weights to which planes and quadrics are smooth
+/// already, has over its own, in three passes, at most 0.2 sigma. See docs/kernels.md. threshold: T of the
+/// field [-]. Throws InvalidInput as check_field_particles() does, and unless threshold > 0.
 KernelShapes kernel_shapes(const FieldParticles& particles, double threshold);
 
 }  // namespace kappaflow

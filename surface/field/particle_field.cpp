@@ -17,9 +17,7 @@
 
 namespace kappaflow {
 
-namespace {
-
-void check(const FieldParticles& p) {
+void check_field_particles(const FieldParticles& p) {
   const std::size_t n = p.position.size();
   if (p.velocity.size() != n || p.sigma.size() != n || p.weight.size() != n || p.weight_rate.size() != n)
     throw InvalidInput(
@@ -35,11 +33,9 @@ void check(const FieldParticles& p) {
   }
 }
 
-}  // namespace
-
 ParticleField::ParticleField(const FieldParticles& particles, double threshold, double time)
     : threshold_(threshold), time_(time), cloud_speed_(particles.cloud_speed) {
-  check(particles);
+  check_field_particles(particles);
   set_particles(particles, without_strays(particles.position, particles.sigma, particles.weight, threshold));
 }
 

@@ -23,12 +23,15 @@ struct FieldParticles {
   double cloud_speed = 0;
 };
 
+/// Throws InvalidInput when arrays differ in length, a sigma is not positive or a number is not finite.
+void check_field_particles(const FieldParticles& particles);
+
 /// Eq. 12 at one instant, with its analytic jet; without the particles that without_strays() leaves out. The
 /// third derivatives jump where a particle's support ends; all else is continuous. Every sum runs in a fixed
 /// order, so results do not depend on the threads.
 class ParticleField final : public Field {
  public:
-  /// threshold: T [-]. Throws InvalidInput when arrays differ in length or a sigma is not positive.
+  /// threshold: T [-]. Throws as check_field_particles() does.
   ParticleField(const FieldParticles& particles, double threshold, double time);
 
   double time() const override { return time_; }

@@ -56,8 +56,12 @@ FieldKernels kernels_of(const FieldParticles& particles, double threshold) {
                        .weight = shapes.weight,
                        .weight_rate = std::vector<double>(n, 0.0)};
   double fastest = 0;
-  for (const Vec3& v : particles.velocity) fastest = std::max(fastest, v.norm());
-  for (std::size_t i = 0; i < n; ++i) kernels.center[i] += shapes.offset[i];
+  for (std::size_t i = 0; i < n; ++i) {
+    fastest = std::max(fastest, particles.velocity[i].norm());
+    kernels.center[i] += shapes.offset[i];
+    if (particles.weight[i] != 0)
+      kernels.weight_rate[i] = shapes.weight[i] / particles.weight[i] * particles.weight_rate[i];
+  }
   if (!(fastest > 0)) return kernels;
   const double dt = kLookAhead * *std::ranges::min_element(particles.sigma) / fastest;
   FieldParticles later = particles;
@@ -89,6 +93,9 @@ ParticleMotion::ParticleMotion(const Particles& at_t0, const Particles& at_t1,
   std::vector<double> weight_t0 = weights_of(at_t0, options_), weight_t1 = weights_of(at_t1, options_);
   pair_by_id(at_t0, at_t1, weight_t0, weight_t1);
   if (options_.kernels == Kernels::round) return;
+  if (shapes_t0_ && shapes_t0_->size() != at_t0.size())
+    throw InvalidInput(
+        fmt::format("a motion of {} particles with {} kernels", at_t0.size(), shapes_t0_->size()));
   const auto shapes_of = [&](const Particles& particles, std::vector<double>& weights) {
     return std::make_shared<const KernelShapes>(
         kernel_shapes(instant(particles, options_, std::move(weights)), options_.threshold));

@@ -28,7 +28,8 @@ class ParticleMotion final : public FieldMotion {
  public:
   /// Throws InvalidInput unless at_t0.time < at_t1.time, both pass check_particles(), and sigma and threshold
   /// are positive.
-  /// shapes_t0: shapes_t1() of the motion before, which saves making them again.
+  /// shapes_t0: shapes_t1() of the motion before, which saves making them again; InvalidInput where it is of
+  /// another number of particles.
   ParticleMotion(const Particles& at_t0, const Particles& at_t1, const ParticleFieldOptions& options,
                  std::shared_ptr<const KernelShapes> shapes_t0 = nullptr);
 

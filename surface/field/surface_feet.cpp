@@ -21,11 +21,11 @@ constexpr double kCellsPerRadius = 3;    // a box of cells holds a window closel
 
 void walk_to_surface(const Field& field, std::span<const Vec3> origin, std::span<const double> sigma,
                      int steps, double farthest, std::vector<Foot>& feet) {
-  const double least_slope = kSmallestSlope / field.length_scale();
   parallel_for(
       feet.size(),
       [&](std::size_t i) {
         Foot& foot = feet[i];
+        const double least_slope = kSmallestSlope / sigma[i];
         if (foot.distance == kInfinity) return;
         foot.distance = kInfinity;
         ValueAndGradient at = field.value_and_gradient(foot.position);
@@ -44,7 +44,13 @@ void walk_to_surface(const Field& field, std::span<const Vec3> origin, std::span
       kGrain);
 }
 
-SurfaceFeet::SurfaceFeet(std::span<const Foot> feet, double radius) : radius_(radius) {
+SurfaceFeet::SurfaceFeet(std::span<const Foot> feet, std::span<const double> sigma, double radius)
+    : radius_(sigma.begin(), sigma.end()) {
+  if (feet.empty()) return;
+  for (double& r : radius_) r *= radius;
+  std::vector<double> radii = radius_;
+  const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
+  std::ranges::nth_element(radii, middle);
   std::vector<Vec3> place;
   std::vector<std::uint32_t> known;
   for (std::uint32_t i = 0; i < feet.size(); ++i)
@@ -52,7 +58,7 @@ SurfaceFeet::SurfaceFeet(std::span<const Foot> feet, double radius) : radius_(ra
       place.push_back(feet[i].position);
       known.push_back(i);
     }
-  grid_.build(std::span<const Vec3>(place), radius / kCellsPerRadius);
+  grid_.build(std::span<const Vec3>(place), *middle / kCellsPerRadius);
   const std::size_t n = known.size();
   foot_.resize(n);
   for (auto* arrays : {&y_, &n_})
@@ -67,14 +73,14 @@ SurfaceFeet::SurfaceFeet(std::span<const Foot> feet, double radius) : radius_(ra
 
 std::vector<Vec3> SurfaceFeet::smooth_normals(std::span<const Foot> feet) const {
   std::vector<Vec3> result(feet.size(), Vec3::Zero());
-  const double inverse_radius2 = 1 / (radius_ * radius_);
   parallel_for(
       feet.size(),
       [&](std::size_t i) {
         if (feet[i].distance == kInfinity) return;
+        const double inverse_radius2 = 1 / (radius_[i] * radius_[i]);
         const Vec3 &y = feet[i].position, &n = feet[i].normal;
         Vec3 sum = Vec3::Zero();
-        grid_.ranges_near(y, radius_, [&](std::uint32_t begin, std::uint32_t end) {
+        grid_.ranges_near(y, radius_[i], [&](std::uint32_t begin, std::uint32_t end) {
           const double *yx = y_[0].data(), *yy = y_[1].data(), *yz = y_[2].data(), *nx = n_[0].data(),
                        *ny = n_[1].data(), *nz = n_[2].data(), *w = weight_.data();
           const double y0 = y[0], y1 = y[1], y2 = y[2], n0 = n[0], n1 = n[1], n2 = n[2];
@@ -97,7 +103,6 @@ std::vector<Vec3> SurfaceFeet::smooth_normals(std::span<const Foot> feet) const 
 
 std::vector<double> SurfaceFeet::heights(std::span<const Foot> feet, std::span<const Vec3> smooth) const {
   std::vector<double> result(feet.size(), 0.0);
-  const double inverse_radius2 = 1 / (radius_ * radius_);
   std::array<std::vector<double>, 3> m;
   for (int a = 0; a < 3; ++a) {
     m[a].resize(foot_.size());
@@ -107,9 +112,10 @@ std::vector<double> SurfaceFeet::heights(std::span<const Foot> feet, std::span<c
       feet.size(),
       [&](std::size_t i) {
         if (feet[i].distance == kInfinity) return;
+        const double inverse_radius2 = 1 / (radius_[i] * radius_[i]);
         const Vec3 &y = feet[i].position, &n = feet[i].normal, &own = smooth[i];
         double weights = 0, sum = 0;
-        grid_.ranges_near(y, radius_, [&](std::uint32_t begin, std::uint32_t end) {
+        grid_.ranges_near(y, radius_[i], [&](std::uint32_t begin, std::uint32_t end) {
           const double *yx = y_[0].data(), *yy = y_[1].data(), *yz = y_[2].data(), *nx = n_[0].data(),
                        *ny = n_[1].data(), *nz = n_[2].data(), *mx = m[0].data(), *my = m[1].data(),
                        *mz = m[2].data(), *w = weight_.data();

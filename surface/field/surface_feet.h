@@ -29,8 +29,8 @@ void walk_to_surface(const Field& field, std::span<const Vec3> origin, std::span
 /// tell best.
 class SurfaceFeet {
  public:
-  /// radius: of the window [m].
-  SurfaceFeet(std::span<const Foot> feet, double radius);
+  /// sigma: of each foot's particle [m]. radius: of the window around a foot [sigma].
+  SurfaceFeet(std::span<const Foot> feet, std::span<const double> sigma, double radius);
 
   /// Normals averaged over the windows around each foot, unit length; zero where there is no foot.
   std::vector<Vec3> smooth_normals(std::span<const Foot> feet) const;
@@ -40,8 +40,8 @@ class SurfaceFeet {
   /// which vanishes for points y of planes and quadrics, with n the smooth normals.
   std::vector<double> heights(std::span<const Foot> feet, std::span<const Vec3> smooth_normals) const;
 
-  /// The tensor of normals, sum of w n n^T with its largest eigenvalue 1, and the distance of the nearest
-  /// foot [m]. radius: of the window, at most the other one [m].
+  /// The tensor of normals around x, sum of w n n^T with its largest eigenvalue 1, and the distance of the
+  /// nearest foot [m], infinite where none is within `radius` [m].
   struct Normals {
     Mat3 tensor = Mat3::Zero();
     double nearest = kInfinity;
@@ -49,7 +49,7 @@ class SurfaceFeet {
   Normals normals_around(const Vec3& x, double radius) const;
 
  private:
-  double radius_;
+  std::vector<double> radius_;  // of the window around each foot [m]
   CellGrid grid_;
   std::vector<std::uint32_t> foot_;  // of each, in the grid's order, which all arrays have
   std::array<std::vector<double>, 3> y_, n_;

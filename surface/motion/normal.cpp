@@ -10,8 +10,10 @@ Vec3 normal_velocity(const Jet& jet, const VelocityOptions& options) {
 
 void evaluate_normal(const Field& field, const SurfacePoints& points, const VelocityOptions& options,
                      VelocitySpans result) {
-  evaluate_pointwise(field, points, options, result, [&](const Vec3& /*x*/, const Jet& jet) {
-    return PointVelocity{.velocity = normal_velocity(jet, options), .confidence = 0};
+  evaluate_each(points, result, [&](const Vec3& x) -> PointVelocity {
+    const Jet jet = field.jet(x);
+    return {.velocity = has_gradient(jet) ? normal_velocity(jet, options) : Vec3(Vec3::Zero()),
+            .confidence = 0};
   });
 }
 

@@ -42,7 +42,8 @@ void evaluate_each(const SurfacePoints& points, VelocitySpans result, const Eval
 
 /// Calls point_velocity(x, jet) -> PointVelocity at every point where the field has a gradient; zero
 /// elsewhere. Of a field with a pattern the jet is the pattern's: the velocity along the surface follows from
-/// it, and Eq. 4 of the field itself goes across; where the pattern has no gradient the field is its own.
+/// it, and Eq. 4 of the field itself goes across; where the pattern has no gradient the field is its own. As
+/// far as the velocity is not determined, the pattern's own Eq. 4 has no part in what goes along the surface.
 template <class Evaluate>
 void evaluate_pointwise(const Field& field, const SurfacePoints& points, const VelocityOptions& options,
                         VelocitySpans result, const Evaluate& point_velocity) {
@@ -54,6 +55,7 @@ void evaluate_pointwise(const Field& field, const SurfacePoints& points, const V
     if (!has_gradient(own)) return {};
     if (!has_gradient(jet)) return point_velocity(x, own);
     PointVelocity at = point_velocity(x, jet);
+    at.velocity -= (1 - at.confidence) * normal_velocity(jet, options);
     const Vec3 normal = own.g.normalized();
     at.velocity += normal_velocity(own, options) - at.velocity.dot(normal) * normal;
     return at;

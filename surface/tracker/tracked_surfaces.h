@@ -62,6 +62,7 @@ class TrackedSurfaces : public SurfaceGroup {
   template <class Archive>
   void serialize(Archive& archive) {
     archive(particles_, origins_);
+    shapes_ = nullptr;  // follow from the particles
     SurfaceGroup::serialize(archive);
   }
 

@@ -66,10 +66,10 @@ void add_track(CLI::App& app, CommandLine& line) {
               "Methods (default: material; regional where neither velocities nor ids are known)");
   add_positive(*track, "--fps", line.track.frames_per_second,
                "Frames a second, where the files hold no times");
-  add_positive(
-      *track, "--sigma", line.track.sigma,
-      "Radius of a particle's field in metres (default: 2 particle spacings; of images and meshes sigma is "
-      "4 spacings of their grid)");
+  add_positive(*track, "--sigma", line.track.sigma,
+               "Radius of a particle's field in metres (default: 2 particle spacings, 2.5 with anisotropic "
+               "kernels; of images and meshes sigma is "
+               "4 spacings of their grid)");
   add_positive(*track, "--threshold", line.track.threshold,
                "Value of the field at its surface (default: half its median at the particles)");
   add_range(*track, line.track.range);

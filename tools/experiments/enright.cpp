@@ -262,9 +262,14 @@ ParticleFieldOptions field_of(const EnrightParticles& particles, const EnrightOp
 
 Variant variant_of(EnrightParticles& particles, const ParticleFieldOptions& field) {
   Variant variant;
-  variant.motion = [&particles, field](double t0, double t1) -> std::unique_ptr<FieldMotion> {
+  variant.motion = [&particles, field, shapes = std::shared_ptr<const KernelShapes>(), known_at = kInfinity](
+                       double t0, double t1) mutable -> std::unique_ptr<FieldMotion> {
     const Particles before = particles.at(t0);
-    return std::make_unique<ParticleMotion>(before, particles.at(t1), field);
+    auto motion =
+        std::make_unique<ParticleMotion>(before, particles.at(t1), field, t0 == known_at ? shapes : nullptr);
+    shapes = motion->shapes_t1();
+    known_at = t1;
+    return motion;
   };
   variant.origins = [&particles, start = particles.at(0).position, sigma = field.sigma](double time) {
     return OriginMap(particles.at(time), start, {}, sigma);
@@ -295,11 +300,12 @@ Report experiment_enright_particles(const ExperimentContext& context) {
   const std::size_t count = particles.at(0).size();
   return enright(
       context, options, true, variant_of(particles, field),
-      fmt::format(
-          "{} particles, on shells {} m apart at the start, are carried by the flow exactly; the "
-          "surface is that of Eq. 12 with sigma = {} m, normalised weights, and the threshold {:.4f} that "
-          "puts it on the sphere then.",
-          count, options.spacing, field.sigma, field.threshold));
+      fmt::format("{} particles, on shells {} m apart at the start, are carried by the flow exactly; the "
+                  "surface is that of Eq. 12 with sigma = {} m, {} kernels, {} weights, and the threshold "
+                  "{:.4f} that "
+                  "puts it on the sphere then.",
+                  count, options.spacing, field.sigma, name_of(kKernels, field.kernels),
+                  name_of(kWeightRules, field.weights), field.threshold));
 }
 
 Report experiment_enright_exact(const ExperimentContext& context) {

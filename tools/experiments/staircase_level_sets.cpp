@@ -57,7 +57,9 @@ GridLevelSet::Velocities velocities_of(const Field& field, const Particles& part
 /// Steps in which the fast particles move by kMotionPerStep at most.
 void move_sets(const Particles& before, const Particles& now, const ParticleFieldOptions& options,
                std::vector<MovedSet>& sets) {
-  ParticleMotion motion(before, now, options);
+  ParticleFieldOptions round = options;  // whose material velocities are the same
+  round.kernels = Kernels::round;
+  ParticleMotion motion(before, now, round);
   const double speed = std::max(fast_speed(before), fast_speed(now)), span = now.time - before.time;
   const int steps = std::max(1, static_cast<int>(std::ceil(speed * span / (kMotionPerStep * options.sigma))));
   for (int s = 0; s < steps; ++s) {

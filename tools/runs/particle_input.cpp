@@ -83,10 +83,8 @@ class ParticleInput final : public TrackInput {
 };
 
 void ParticleInput::set_surface(const TrackOptions& options, const Particles& first) {
-  if (options.sigma)
-    surface_.sigma = *options.sigma;
-  else
-    spacing_ = measured_spacing(sequence_, first);
+  surface_.sigma = options.sigma.value_or(usual_sigma(options.kernels));
+  if (!options.sigma) spacing_ = measured_spacing(sequence_, first);
   surface_.threshold = options.threshold;
   surface_.weights = options.weights;
   surface_.kernels = options.kernels;
@@ -105,9 +103,11 @@ void ParticleInput::set_surface(const TrackOptions& options, const Particles& fi
 /// A point cloud's surface must not move too far between two frames.
 void ParticleInput::check_motion() {
   if (!surface_.is_cloud) return;
-  auto before = particle_field(sequence_.frame(0).particles, field_);
+  ParticleFieldOptions round = field_;  // which lie where others do, but for the waves
+  round.kernels = Kernels::round;
+  auto before = particle_field(sequence_.frame(0).particles, round);
   for (std::size_t k = 1; k < sequence_.size(); ++k) {
-    auto after = particle_field(sequence_.frame(k).particles, field_);
+    auto after = particle_field(sequence_.frame(k).particles, round);
     check_cloud_motion(sequence_.file(k).string(), *before, *after, field_.sigma);
     before = std::move(after);
   }
@@ -132,8 +132,8 @@ std::string ParticleInput::warning(const FrameSource& frames) const {
   if (share < kWorthSaying) return {};
   return fmt::format(
       "  {:.0f} % of the particles are outside the surface in the first frame: too far from others for this "
-      "sigma. Spray is; for a coarser body give the particles a radius, or a larger --sigma; --weights "
-      "normalised keeps them all\n",
+      "sigma. Spray is; for a coarser body give the particles a radius, or a larger --sigma; --kernels "
+      "anisotropic keeps sheets and threads, --weights normalised keeps them all\n",
       100 * share);
 }
 

@@ -26,7 +26,7 @@ struct TrackOptions {
   std::filesystem::path folder;             ///< empty: out/<name of the series>
   std::vector<std::string> methods;         ///< empty: material, or regional for point clouds
   std::optional<double> frames_per_second;  ///< where the files hold no times
-  std::optional<double> sigma;              ///< support radius of Eq. 12 [m]; empty: 2 particle spacings
+  std::optional<double> sigma;      ///< support radius of Eq. 12 [m]; empty: usual_sigma() particle spacings
   std::optional<double> threshold;  ///< T of Eq. 12; empty: half the median of the field at the particles
   WeightRule weights = WeightRule::uniform;
   Kernels kernels = Kernels::round;
