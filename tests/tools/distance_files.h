@@ -71,11 +71,12 @@ inline std::string vti_of(const SignedDistances& image, double time) {
       grid.spacing.z(), time, arrays);
 }
 
-/// A closed mesh of the body whose vertices have nothing to do with those of other instants.
-inline std::string obj_of_box(double time) {
+/// A closed mesh of the body whose vertices have nothing to do with those of other instants. edge: of its
+/// triangles where it is flat [m].
+inline std::string obj_of_box(double time, double edge = 0.02) {
   const auto image = [](double t) { return std::make_shared<DistanceImage>(image_of_box(t, false), t); };
   DistanceMotion motion(image(time), image(time + 1));
-  const TriangleMesh mesh = initial_mesh(*motion.at(time), 0.02, {});
+  const TriangleMesh mesh = initial_mesh(*motion.at(time), edge, {});
   std::string text;
   for (const Vec3& x : mesh.position) text += fmt::format("v {:.9g} {:.9g} {:.9g}\n", x.x(), x.y(), x.z());
   for (const Triangle& t : mesh.triangles) text += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);

@@ -12,12 +12,12 @@
 
 namespace kappaflow {
 
-class Scratch : public testing::Test {
+class Scratch : public ::testing::Test {
  protected:
   void SetUp() override {
-    const auto& info = *testing::UnitTest::GetInstance()->current_test_info();
-    folder =
-        std::filesystem::path(testing::TempDir()) / "kappaflow_tools" / info.test_suite_name() / info.name();
+    const auto& info = *::testing::UnitTest::GetInstance()->current_test_info();
+    folder = std::filesystem::path(::testing::TempDir()) / "kappaflow_tools" / info.test_suite_name() /
+             info.name();
     std::filesystem::remove_all(folder);
     std::filesystem::create_directories(folder);
   }

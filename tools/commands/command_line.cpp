@@ -39,7 +39,7 @@ void add_range(CLI::App& track, FileRange& range) {
     const double step = is_range && numbers.size() == 3 ? numbers[2] : 1;
     if (!is_range || step != std::floor(step) || step < 1 || step > 1e6)
       throw CLI::ValidationError("--frames", fmt::format("found \"{}\"; expected {}", word, kForm));
-    range = {numbers[0], numbers[1], static_cast<int>(step)};
+    range = {numbers[0], numbers[1], static_cast<int>(step), range.backward};
   };
   track
       .add_option_function<std::string>("--frames", set,
@@ -47,6 +47,10 @@ void add_range(CLI::App& track, FileRange& range) {
                                         ".pvd by their place in it, from 0 "
                                         "(default: all)")
       ->type_name("FIRST:LAST[:STEP]");
+  track.add_flag(
+      "--backward", range.backward,
+      "From the last frame to the first, for where its liquid came from: the last file is at 0 s, and "
+      "velocities have the other sign");
 }
 
 }  // namespace
@@ -115,8 +119,8 @@ void add_track(CLI::App& app, CommandLine& line) {
   add_threads(*track, line.threads);
   add_force_and_quiet(*track, "run", line.track.force, line.track.quiet);
   for (const char* name : {"--out", "--velocity", "--fps", "--sigma", "--threshold", "--weights", "--kernels",
-                           "--frames", "--edge", "--checker", "--texture", "--anchor", "--rest-interval",
-                           "--metrics", "--format", "--force"})
+                           "--frames", "--backward", "--edge", "--checker", "--texture", "--anchor",
+                           "--rest-interval", "--metrics", "--format", "--force"})
     resume->excludes(track->get_option(name));
   track->callback([files, resume] {
     if (files->empty() && resume->empty()) throw CLI::RequiredError("FILES or --resume");

@@ -272,11 +272,7 @@ FileSeries listed_files(const fs::path& pvd, const FileRange& range) {
   return series;
 }
 
-}  // namespace
-
-FileSeries file_series(std::span<const std::string> patterns, const FileRange& range) {
-  if (patterns.size() == 1 && lower_case(fs::path(patterns[0]).extension().string()) == ".pvd")
-    return listed_files(with_home(patterns[0]), range);
+FileSeries numbered_files(std::span<const std::string> patterns, const FileRange& range) {
   std::vector<NumberedName> names;
   for (const std::string& file : expanded(patterns)) names.push_back(numbered(file));
   if (names.size() < 2)
@@ -296,6 +292,20 @@ FileSeries file_series(std::span<const std::string> patterns, const FileRange& r
   series.step = varying.value(usual_step(steps_of(names))) / range.stride;
   series.is_decimal = varying.places > 0;
   series.gap = gap_in(names, varying);
+  return series;
+}
+
+}  // namespace
+
+FileSeries file_series(std::span<const std::string> patterns, const FileRange& range) {
+  const bool is_list =
+      patterns.size() == 1 && lower_case(fs::path(patterns[0]).extension().string()) == ".pvd";
+  FileSeries series = is_list ? listed_files(with_home(patterns[0]), range) : numbered_files(patterns, range);
+  series.backward = range.backward;
+  if (range.backward) {
+    std::ranges::reverse(series.files);
+    std::ranges::reverse(series.times);
+  }
   return series;
 }
 

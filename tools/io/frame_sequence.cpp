@@ -24,6 +24,11 @@ void read(const fs::path& file, MeshFrame& frame) {
   frame = read_mesh_frame(file);
 }
 
+void turn_backward(ImageFrame& frame) {
+  for (Eigen::Vector3f& velocity : frame.velocity) velocity = -velocity;
+}
+void turn_backward(MeshFrame& /*frame*/) {}
+
 void add_to(TextHash& hash, const ImageFrame& frame) {
   hash.add_values(std::span<const int>(frame.dims));
   hash.add_values(std::span<const Vec3>(std::array{frame.origin, frame.spacing}));
@@ -141,6 +146,7 @@ template <class Frame>
 Frame FrameSequence<Frame>::frame(std::size_t frame) const {
   Frame result;
   read(file(frame), result);
+  if (series_.backward) turn_backward(result);
   return result;
 }
 

@@ -35,7 +35,7 @@ class FrameSequence {
   /// Of all that is read from the files, to recognise them by.
   const std::string& hash() const { return hash_; }
 
-  /// Reads a frame; its time is that of the file, see time().
+  /// Reads a frame; its time is that of the file, see time(). Backward its velocities have the other sign.
   Frame frame(std::size_t frame) const;
 
  private:

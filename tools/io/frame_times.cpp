@@ -13,10 +13,14 @@ void FrameTimes::add(std::optional<double> in_file) {
   if (k > 0 && time.has_value() != known())
     throw InvalidInput({files[k].string()}, fmt::format("{} a time; {} {}", time ? "holds" : "lacks",
                                                         files.front().string(), time ? "does not" : "does"));
-  if (k > 0 && time && !(*time > *time_.back()))
-    throw InvalidInput(
-        {files[k].string()},
-        fmt::format("its time, {} s, is not after that of the file before, {} s", *time, *time_.back()));
+  if (k > 0 && time) {
+    const std::size_t later = series_->backward ? k - 1 : k;  // in the order of the names
+    const double after = later == k ? *time : *time_.back(), before = later == k ? *time_.back() : *time;
+    if (!(after > before))
+      throw InvalidInput(
+          {files[later].string()},
+          fmt::format("its time, {} s, is not after that of the file before, {} s", after, before));
+  }
   time_.push_back(time);
 }
 
@@ -35,7 +39,10 @@ std::vector<double> FrameTimes::times(std::optional<double> frames_per_second,
           rate.empty() && series_->is_decimal
               ? fmt::format(" ({:.6g} if the names hold seconds)", 1 / series_->step)
               : rate));
-    times.push_back(time_[k] ? *time_[k] : static_cast<double>(k) * series_->stride / *frames_per_second);
+    if (!time_[k])
+      times.push_back(static_cast<double>(k) * series_->stride / *frames_per_second);
+    else
+      times.push_back(series_->backward ? *time_.front() - *time_[k] : *time_[k]);
   }
   return times;
 }
@@ -47,6 +54,10 @@ std::vector<std::string> FrameTimes::notes(std::optional<double> frames_per_seco
                               !series_->times.empty() ? std::string("from the .pvd")
                               : known()               ? std::string("from the files")
                                         : fmt::format("{} frames a second", *frames_per_second)));
+  if (series_->backward)
+    notes.push_back(
+        fmt::format("backward from {}{}", series_->files.front().string(),
+                    known() ? fmt::format(", which is at {:.6g} s", *time_.front()) : std::string()));
   if (!known() && series_->step != 1)
     notes.push_back(fmt::format("numbers go up by {:.6g}: taken as consecutive frames, {:.4g} s apart",
                                 series_->step, 1 / *frames_per_second));

@@ -19,8 +19,8 @@ class InputFrames {
   static constexpr std::size_t kMostBytes = std::size_t{512} << 20;
   static constexpr std::size_t kWindow = 3;
 
-  /// limit: for the frames that stay [bytes].
-  explicit InputFrames(std::vector<std::filesystem::path> files, std::size_t limit = kMostBytes);
+  /// backward: velocities have the other sign than in the files. limit: for the frames that stay [bytes].
+  InputFrames(std::vector<std::filesystem::path> files, bool backward, std::size_t limit = kMostBytes);
 
   std::size_t size() const { return files_.size(); }
   std::span<const std::filesystem::path> files() const { return files_; }
@@ -30,6 +30,7 @@ class InputFrames {
 
  private:
   std::vector<std::filesystem::path> files_;
+  bool backward_;
   std::size_t room_;                        // left for frames that stay [bytes]
   std::map<std::size_t, InputFrame> kept_;  // for good
   std::map<std::size_t, InputFrame> last_;  // those read last, at most kWindow

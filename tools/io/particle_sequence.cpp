@@ -302,7 +302,7 @@ Coincidence coincident_particles(std::span<const Vec3> position) {
 
 ParticleSequence::ParticleSequence(FileSeries series, std::optional<double> frames_per_second,
                                    const std::function<void(std::size_t file)>& watch)
-    : series_(std::move(series)), inputs_(series_.files) {
+    : series_(std::move(series)), inputs_(series_.files, series_.backward) {
   const Survey found = survey(inputs_, series_, watch);
   found.times.check_gap();
   hash_ = found.hash.text();

@@ -53,11 +53,11 @@ class ParticleSequence {
   /// Of all that is read from the files, to recognise them by.
   const std::string& hash() const { return hash_; }
 
-  /// Reads a frame, sorted by id. Particles::scale is the radius over the median of the first frame. Where
-  /// particles are not matched, ids are new in every frame. Estimated velocities are the derivative of the
-  /// parabola through a particle's places in this frame and those before and after (at the ends of the
-  /// sequence: the nearest three frames), of the line where it is in two of them; a particle that is in none
-  /// but this is at rest.
+  /// Reads a frame, sorted by id. Backward its velocities have the other sign than in the file.
+  /// Particles::scale is the radius over the median of the first frame. Where particles are not matched, ids
+  /// are new in every frame. Estimated velocities are the derivative of the parabola through a particle's
+  /// places in this frame and those before and after (at the ends of the sequence: the nearest three frames),
+  /// of the line where it is in two of them; a particle that is in none but this is at rest.
   ParticleFrame frame(std::size_t frame);
 
  private:

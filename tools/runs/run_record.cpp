@@ -157,6 +157,7 @@ std::string track_record(const TrackOptions& options, const TrackInput& tracked)
   input["first"] = tracked.series().files.front().string();
   input["last"] = tracked.series().files.back().string();
   input["files"] = Json::UInt64{tracked.size()};
+  input["backward"] = tracked.series().backward;
   input["hash"] = tracked.hash();
   input["notes"] = list(tracked.notes());
   record["duration"] = tracked.time(tracked.size() - 1) - tracked.time(0);

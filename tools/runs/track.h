@@ -21,7 +21,7 @@ struct TrackOptions {
   /// Files, patterns for them, a folder or a .pvd, see file_series(); of a run that is resumed: empty where
   /// they are where they were.
   std::vector<std::string> inputs;
-  FileRange range;                          ///< which of them
+  FileRange range;                          ///< which of them, and whether backward
   std::filesystem::path resume;             ///< folder of an interrupted run to go on with; empty: a new run
   std::filesystem::path folder;             ///< empty: out/<name of the series>
   std::vector<std::string> methods;         ///< empty: material, or regional for point clouds

@@ -69,6 +69,7 @@ TEST_F(CommandLine, MistakesAreOneLineAndExitCodeTwo) {
       {{"compare", "/nowhere"}, 5, "/nowhere/run.json: cannot be read"},
       {{"track"}, 2, "FILES or --resume is required; see kappaflow track --help"},
       {{"track", "--resume", "out", "--velocity", "total"}, 2, "--resume excludes --velocity"},
+      {{"track", "--resume", "out", "--backward"}, 2, "--resume excludes --backward"},
       {{"track", "--resume", KAPPAFLOW_SOURCE_DIR}, 5, "holds no checkpoint to go on from"},
       {{"track", "a_*.vtk", "--fps", "0"}, 2, "--fps: found \"0\"; expected a number above 0"},
       {{"track", "a_*.vtk", "--sigma", "wide"}, 2, "--sigma: found \"wide\"; expected a number above 0"},

@@ -86,6 +86,25 @@ TEST_F(FileSeriesNames, ARangeTakesFilesByTheirNumbers) {
             "--frames 100:119:9 leaves one of the files numbered 95 to 125; a sequence takes two or more");
 }
 
+TEST_F(FileSeriesNames, ARangeIsTakenBeforeItIsTurnedBackward) {
+  std::string entries;
+  for (int k = 0; k < 8; ++k) {
+    file(fmt::format("p_{}.csv", k), "");
+    entries += fmt::format("<DataSet timestep=\"{}\" file=\"p_{}.csv\"/>", 0.5 * k, k);
+  }
+  file("all.pvd", "<VTKFile type=\"Collection\"><Collection>" + entries + "</Collection></VTKFile>");
+  const FileRange range{1, 6, 2, true};
+  for (const char* pattern : {"p_*.csv", "all.pvd"}) {
+    const FileSeries found = file_series(std::vector{path(pattern)}, range);
+    EXPECT_TRUE(found.backward);
+    EXPECT_EQ(found.files, (std::vector<fs::path>{path("p_5.csv"), path("p_3.csv"), path("p_1.csv")}));
+    EXPECT_EQ(found.stride, 2);
+    EXPECT_EQ(found.step, 1);
+    EXPECT_EQ(found.gap, "");
+  }
+  EXPECT_EQ(file_series(std::vector{path("all.pvd")}, range).times, (std::vector<double>{2.5, 1.5, 0.5}));
+}
+
 TEST_F(FileSeriesNames, APvdListsFilesAndTimes) {
   const auto pvd = [&](const std::string& entries) {
     return file("all.pvd", "<VTKFile type=\"Collection\"><Collection>" + entries + "</Collection></VTKFile>");

@@ -88,6 +88,26 @@ TEST_F(FrameSequences, TimesAscend) {
   EXPECT_EQ(image_error(), path("phi_1.vti") + ": lacks a time; " + path("phi_0.vti") + " does");
 }
 
+TEST_F(FrameSequences, BackwardTimeRunsFromTheLastFile) {
+  const std::array<double, 3> times{1, 1.5, 3};
+  for (int k = 0; k < 3; ++k)
+    image(k, vti_array("phi") + vti_array("velocity", 192, 3, "-7", 0), kUnitLattice, vti_time(times[k]));
+  const auto backward = [&] { return file_series(std::vector{path("phi_*.vti")}, {0, 9, 1, true}); };
+  const ImageSequence sequence(backward(), {});
+  EXPECT_EQ(sequence.file(0), folder / "phi_2.vti");
+  EXPECT_EQ(sequence.time(0), 0);
+  EXPECT_EQ(sequence.time(1), 1.5);
+  EXPECT_EQ(sequence.time(2), 2);
+  EXPECT_EQ(sequence.frame(0).velocity[0], Eigen::Vector3f(7, -0.5, -0.5));
+  EXPECT_EQ(sequence.frame(0).value[0], 0.5);
+  EXPECT_EQ(sequence.notes()[3], "times 0 to 2 s, from the files");
+  EXPECT_EQ(sequence.notes()[4], "backward from " + path("phi_2.vti") + ", which is at 3 s");
+  for (int k = 0; k < 3; ++k) image(k, vti_array("phi"));
+  const ImageSequence without_times(backward(), 4);
+  EXPECT_EQ(without_times.time(2), 0.5);
+  EXPECT_EQ(without_times.notes().back(), "backward from " + path("phi_2.vti"));
+}
+
 TEST_F(FrameSequences, MeshesMayDiffer) {
   const std::string tetrahedron = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
   file("m_0.obj", tetrahedron);

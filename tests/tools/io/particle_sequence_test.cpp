@@ -90,6 +90,22 @@ TEST_F(Sequence, AWrongFrameRateIsNoticed) {
             "displacements fit 10)");
 }
 
+TEST_F(Sequence, BackwardVelocitiesHaveTheOtherSign) {
+  for (const int k : {0, 1, 2})
+    file(fmt::format("p_{}.csv", k), csv_text(moved_block(kBodyMotion, 0.1 * k), true, true));
+  ParticleSequence sequence(file_series(std::vector{path("p_*.csv")}, {0, 9, 1, true}), 10);
+  for (const int k : {0, 1, 2}) {
+    const Particles expected = moved_block(kBodyMotion, 0.1 * (2 - k)), found = sequence.frame(k).particles;
+    EXPECT_DOUBLE_EQ(found.time, 0.1 * k);
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      EXPECT_EQ(found.position[i], expected.position[i]);
+      EXPECT_EQ(found.velocity[i], -expected.velocity[i]);
+    }
+  }
+  for (const std::string& note : sequence.notes())
+    EXPECT_EQ(note.find("displacements"), std::string::npos) << note;
+}
+
 // x(t) = x0 + v t + a t^2/2 with another v and a for each particle, which a parabola follows exactly.
 TEST_F(Sequence, EstimatedVelocitiesAreExactForParabolas) {
   const auto velocity = [](std::int64_t id, double t) {
