@@ -10,6 +10,8 @@
 
 #include "surface/field/distance_field.h"
 #include "surface/remesh/initial_mesh.h"
+#include "tests/tools/sequence_files.h"
+#include "tools/io/image_file.h"
 
 namespace kappaflow {
 
@@ -69,6 +71,34 @@ inline std::string vti_of(const SignedDistances& image, double time) {
       "<Piece Extent=\"{0}\"><PointData>{8}</PointData></Piece></ImageData>\n</VTKFile>\n",
       extent, grid.origin.x(), grid.origin.y(), grid.origin.z(), grid.spacing.x(), grid.spacing.y(),
       grid.spacing.z(), time, arrays);
+}
+
+/// The same in legacy VTK, in binary.
+inline std::string vtk_of(const SignedDistances& image, double time) {
+  const RegularGrid& grid = image.grid;
+  const auto triple = [](const char* name, const auto& xyz) {
+    return fmt::format("{} {} {} {}\n", name, xyz[0], xyz[1], xyz[2]);
+  };
+  std::string text =
+      "# vtk DataFile Version 3.0\nbox\nBINARY\nDATASET STRUCTURED_POINTS\n" +
+      triple("DIMENSIONS", grid.dims) + triple("ORIGIN", grid.origin) + triple("SPACING", grid.spacing) +
+      "FIELD FieldData 1\nTimeValue 1 1 double\n" + big_endian(time) +
+      fmt::format("\nPOINT_DATA {}\nSCALARS phi float\nLOOKUP_TABLE default\n", image.value.size());
+  for (const float d : image.value) text += big_endian(d);
+  if (!image.velocity.empty()) text += "\nVECTORS velocity float\n";
+  for (const Eigen::Vector3f& v : image.velocity)
+    for (const float c : v) text += big_endian(c);
+  return text + "\n";
+}
+
+/// An image of its distances as an OpenVDB file holds it, where the points of the grid may be any.
+inline ImageFrame frame_of_box(double time) {
+  SignedDistances image = image_of_box(time, false);
+  return {.dims = image.grid.dims,
+          .origin = image.grid.origin,
+          .spacing = image.grid.spacing,
+          .value = std::move(image.value),
+          .time = time};
 }
 
 /// A closed mesh of the body whose vertices have nothing to do with those of other instants. edge: of its

@@ -1,21 +1,16 @@
 // What runs promise: the same bits whatever the threads and however often they are stopped, and a clear end
 // where a disk is full or a simulation fails.
+#include "tests/tools/commands/reliability.h"
+
 #include <fmt/format.h>
 
 #include <csignal>
 #include <cstdlib>
 #include <map>
-#include <random>
-#include <set>
 
-#include "core/stopwatch.h"
 #include "surface/tracker/surface_methods.h"
-#include "tests/tools/distance_files.h"
 #include "tests/tools/everything_scene.h"
 #include "tests/tools/full_disk.h"
-#include "tests/tools/program.h"
-#include "tests/tools/scratch.h"
-#include "tests/tools/sequence_files.h"
 #include "tests/tools/text_table.h"
 #include "tests/vtk_reader.h"
 
@@ -26,52 +21,8 @@ namespace fs = std::filesystem;
 
 const std::string kSmallScene = KAPPAFLOW_SOURCE_DIR "/scenes/staircase-small.toml";
 
-class Reliability : public Scratch {
- protected:
-  std::vector<std::string> words_to_run(const std::string& scene, const fs::path& out) const {
-    return {"run", scene, "--out", out.string(), "--track", "total,regional", "--format", "ply,usd"};
-  }
-
-  /// Seconds of a run that nobody stops.
-  double run_whole(const std::vector<std::string>& words) const {
-    const Stopwatch watch;
-    const ProgramResult result = run_program(words);
-    EXPECT_EQ(result.exit_code, 0) << result.err;
-    return watch.seconds();
-  }
-
-  /// Starts the run in the folder, or goes on with it, until it is complete; returns how often it was
-  /// stopped. whole: seconds that it takes; a part of them, so that slow machines and builds get on too.
-  int run_with_stops(const std::vector<std::string>& words, const fs::path& out, int signal, double whole,
-                     std::mt19937& random) const {
-    std::uniform_real_distribution<double> after(0, 0.6 * whole);
-    for (int stops = 0;; ++stops) {
-      std::vector<std::string> command{words.front(), "--resume", out.string()};
-      if (!fs::exists(out / "checkpoint.bin")) {
-        command = words;
-        command.emplace_back("--force");
-      }
-      const ProgramResult result = run_program(command, {}, {signal, {}, after(random)});
-      if (result.exit_code == 128 + signal) continue;
-      EXPECT_EQ(result.exit_code, 0) << result.err;
-      return stops;
-    }
-  }
-};
-
-/// All files but those that hold wall times.
-std::set<fs::path> results_in(const fs::path& run) {
-  std::set<fs::path> files;
-  for (const auto& entry : fs::recursive_directory_iterator(run))
-    if (!entry.is_directory()) files.insert(fs::relative(entry.path(), run));
-  for (const char* name : {"run.json", "timings.csv"}) EXPECT_EQ(files.erase(name), 1) << name;
-  return files;
-}
-
-void expect_same_results(const fs::path& one, const fs::path& other) {
-  EXPECT_EQ(results_in(one), results_in(other));
-  for (const fs::path& name : results_in(one))
-    EXPECT_TRUE(bytes_of(one / name) == bytes_of(other / name)) << other / name;
+std::vector<std::string> words_to_run(const std::string& scene, const fs::path& out) {
+  return {"run", scene, "--out", out.string(), "--track", "total,regional", "--format", "ply,usd"};
 }
 
 TEST_F(Reliability, SameBitsWhateverTheThreadsWithEveryMethod) {
@@ -125,103 +76,6 @@ TEST_F(Reliability, SignalsBetweenFramesLeaveTheWholeStateToGoOnFrom) {
   const ProgramResult again = run_program({"run", "--resume", (folder / "stopped").string()});
   EXPECT_EQ(again.exit_code, 0) << again.err;
   EXPECT_EQ(again.out, (folder / "stopped").string() + ": the run is complete, 6 frames\n");
-}
-
-/// Another program's particles: a block that moves and turns, without times.
-class TrackReliability : public Reliability {
- protected:
-  static constexpr int kFrames = 30;
-
-  void SetUp() override {
-    Reliability::SetUp();
-    fs::create_directory(folder / "in");
-    for (int k = 0; k < kFrames; ++k)
-      file(fmt::format("in/p_{}.csv", k), csv_text(moved_block(kBodyMotion, 0.1 * k), true, true));
-  }
-  std::vector<std::string> words_to_track(const fs::path& out) const {
-    return {"track",      (folder / "in/p_*.csv").string(),
-            "--out",      out.string(),
-            "--fps",      "10",
-            "--velocity", "material,regional",
-            "--format",   "ply,usd"};
-  }
-  /// A run that was stopped after its first frame.
-  fs::path stopped_track() const {
-    const fs::path out = folder / "stopped";
-    const ProgramResult result = run_program(words_to_track(out), {}, {SIGINT, out / "checkpoint.bin"});
-    EXPECT_EQ(result.exit_code, 130) << result.err;
-    EXPECT_TRUE(result.err.ends_with("; kappaflow track --resume " + out.string() + " goes on\n"))
-        << result.err;
-    return out;
-  }
-};
-
-TEST_F(TrackReliability, StoppedRunsGoOnToTheSameBits) {
-  const double whole = run_whole(words_to_track(folder / "whole"));
-  std::mt19937 random(3);
-  for (const int signal : {SIGKILL, SIGTERM}) {
-    const fs::path out = folder / fmt::format("stopped by {}", signal);
-    for (int stops = 0; stops == 0;) {
-      fs::remove_all(out);
-      stops = run_with_stops(words_to_track(out), out, signal, whole, random);
-    }
-    expect_same_results(folder / "whole", out);
-  }
-  const std::string complete = (folder / fmt::format("stopped by {}", SIGTERM)).string();
-  const ProgramResult again = run_program({"track", "--resume", complete});
-  EXPECT_EQ(again.exit_code, 0) << again.err;
-  EXPECT_EQ(again.out, fmt::format("{}: the run is complete, {} frames\n", complete, kFrames));
-}
-
-TEST_F(Reliability, StoppedRunsOnImagesGoOnToTheSameBits) {
-  fs::create_directory(folder / "in");
-  for (int k = 0; k < 16; ++k)
-    file(fmt::format("in/phi_{}.vti", k), vti_of(image_of_box(0.03 * k, false), 0.03 * k));
-  const auto words = [&](const fs::path& out) -> std::vector<std::string> {
-    return {"track", (folder / "in").string(), "--out", out.string(), "--velocity", "regional"};
-  };
-  const double whole = run_whole(words(folder / "whole"));
-  std::mt19937 random(4);
-  const fs::path out = folder / "stopped";
-  for (int stops = 0; stops == 0;) {
-    fs::remove_all(out);
-    stops = run_with_stops(words(out), out, SIGTERM, whole, random);
-  }
-  expect_same_results(folder / "whole", out);
-}
-
-TEST_F(TrackReliability, OtherParticlesAreNotResumed) {
-  const fs::path out = stopped_track(), last = folder / fmt::format("in/p_{}.csv", kFrames - 1);
-  const std::string text = bytes_of(last);
-  Particles other = moved_block(kBodyMotion, 0.1 * (kFrames - 1));
-  other.velocity.back().x() += 1e-6;
-  std::ofstream(last) << csv_text(other, true, true);
-  const ProgramResult changed = run_program({"track", "--resume", out.string()});
-  EXPECT_EQ(changed.exit_code, 2);
-  EXPECT_EQ(changed.err,
-            "kappaflow: error: p: the files are not those that the run in " + out.string() + " began with\n");
-  fs::remove(last);
-  const ProgramResult missing = run_program({"track", "--resume", out.string()});
-  EXPECT_EQ(missing.exit_code, 5);
-  EXPECT_EQ(missing.err,
-            "kappaflow: error: " + last.string() + ": cannot be read (No such file or directory)\n");
-  std::ofstream(last) << text;
-  const ProgramResult run = run_program({"run", "--resume", out.string()});
-  EXPECT_EQ(run.exit_code, 2);
-  EXPECT_EQ(run.err, "kappaflow: error: " + out.string() + ": kappaflow track --resume goes on with it\n");
-}
-
-TEST_F(TrackReliability, ParticlesMayHaveMoved) {
-  run_whole(words_to_track(folder / "whole"));
-  const fs::path out = stopped_track();
-  fs::rename(folder / "in", folder / "moved");
-  const ProgramResult result =
-      run_program({"track", (folder / "moved/p_*.csv").string(), "--resume", out.string(), "--threads", "1"});
-  EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_NE(bytes_of(out / "run.json").find("\"resumed\""), std::string::npos);
-  fs::remove(out / "checkpoint.bin");  // it names the files where they are now
-  fs::remove(folder / "whole/checkpoint.bin");
-  expect_same_results(folder / "whole", out);
 }
 
 // Ten times the frames to the same moment; a mesh that is left alone has the same size in both.
