@@ -41,6 +41,15 @@ def test_a_drifting_ball_takes_its_surface_along(method):
     assert last["material_slip"].max() < 1e-6 and not last["unprojected"].any() and last["confidence"].max() <= 1
 
 
+def test_anisotropic_kernels_make_a_ball_rounder():
+    def roughness(kernels):
+        tracker = kappaflow.Tracker(*drifting(0), kernels=kernels)
+        tracker.advance(*drifting(0.1), time=0.1)
+        return np.linalg.norm(tracker.mesh().positions - 0.1 * DRIFT, axis=1).std()
+
+    assert roughness("anisotropic") < 0.5 * roughness("round")
+
+
 def test_a_mesh_is_closed_and_its_areas_add_up():
     mesh = kappaflow.Tracker(*drifting(0)).mesh()
     edges = np.sort(np.concatenate([mesh.triangles[:, [0, 1]], mesh.triangles[:, [1, 2]], mesh.triangles[:, [2, 0]]]), axis=1)
@@ -143,14 +152,15 @@ def test_what_happened_is_counted_once():
     assert tracker.take_report()[0]["residual_max"] == 0
 
 
-def test_tracking_a_runs_particles_is_what_the_program_does(program, staircase, tmp_path, threads):
+@pytest.mark.parametrize("kernels", ["round", "anisotropic"])
+def test_tracking_a_runs_particles_is_what_the_program_does(program, staircase, tmp_path, threads, kernels):
     folder = tmp_path / "tracked"
-    subprocess.run([program, "track", staircase / "particles/particles_*.vtp", "--velocity", ",".join(METHODS), "--out", folder,
-                    "--quiet"], check=True)
+    subprocess.run([program, "track", staircase / "particles/particles_*.vtp", "--velocity", ",".join(METHODS), "--kernels", kernels,
+                    "--out", folder, "--quiet"], check=True)
     expected = kappaflow.read_run(folder)
     frames = [{"positions": p.positions, "velocities": p["velocity"], "ids": p["id"], "time": p.time, "sources": p["source"]}
               for p in kappaflow.read_run(staircase).particles]
-    tracker = kappaflow.Tracker(**frames[0], methods=METHODS, next=frames[1], edge_length=0.25)  # as the program
+    tracker = kappaflow.Tracker(**frames[0], methods=METHODS, next=frames[1], kernels=kernels, edge_length=0.25)  # as the program
     assert (tracker.sigma, tracker.threshold) == (expected.record["sigma"], expected.record["threshold"])
     for number, frame in enumerate(frames):
         if number > 0:

@@ -330,6 +330,7 @@ TEST(GoodScenes, EverySurfaceAndOutputKeyArrives) {
   const SurfaceDescription& surface = scene.surface;
   EXPECT_EQ(surface.sigma, 2.5);
   EXPECT_EQ(surface.weights, WeightRule::normalised);
+  EXPECT_EQ(surface.kernels, Kernels::anisotropic);
   EXPECT_EQ(surface.threshold, 0.5);
   EXPECT_EQ(surface.edge_length, 0.4);
   EXPECT_EQ(surface.methods, (std::vector<std::string>{"material", "total"}));

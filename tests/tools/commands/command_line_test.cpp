@@ -114,6 +114,29 @@ TEST_F(CommandLine, HelpIsACommandToo) {
   EXPECT_EQ(help.out, run_program({"run", "--help"}).out);
 }
 
+// The same points asked of the same particles, by both.
+TEST_F(CommandLine, ProbeTakesKernels) {
+  std::string cube = "x,y,z,vx,vy,vz,weight,sigma\n";
+  for (int i = 0; i < 64; ++i) cube += fmt::format("{},{},{},1,0,0,1,2\n", i % 4, i / 4 % 4, i / 16);
+  const std::string points = file("x.csv", "x,y,z\n1.5,1.5,3.5\n0.5,0.25,0\n").string();
+  const auto answer = [&](const std::string& particles, const std::vector<std::string>& kernels) {
+    std::vector<std::string> words{
+        "probe", file("p.csv", particles).string(), points, "--threshold", "0.5", "--methods", "total"};
+    words.insert(words.end(), kernels.begin(), kernels.end());
+    const ProgramResult result = run_program(words);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result.out;
+  };
+  const std::string round = answer(cube, {});
+  EXPECT_EQ(answer(cube, {"--kernels", "round"}), round);
+  const std::string anisotropic = answer(cube, {"--kernels", "anisotropic"});
+  EXPECT_EQ(split(anisotropic, '\n')[0], split(round, '\n')[0]);
+  for (const std::size_t row : {1, 2}) EXPECT_NE(split(anisotropic, '\n')[row], split(round, '\n')[row]);
+  expect_one_line({{"probe", "p.csv", points, "--threshold", "0.5", "--kernels", "anisotropy"},
+                   2,
+                   "(did you mean \"anisotropic\"?)"});
+}
+
 // The columns of the result say which methods were understood.
 TEST_F(CommandLine, ListsTakeCommasAndBlanks) {
   const std::string particles = file("p.csv", "x,y,z,vx,vy,vz,weight,sigma\n0,0,0,1,0,0,2,2\n").string(),

@@ -145,6 +145,12 @@ const std::vector<SequenceKind> kSequenceKinds{
        return write_vdb(with_ending(stem, ".vdb"), frame_of_box(image_time(k)));
      },
      {}},
+    {"particlesWithAnisotropicKernels",
+     [](int k, const fs::path& stem) {
+       return write_text(with_ending(stem, ".csv"),
+                         csv_text(moved_block(kBodyMotion, image_time(k)), true, true));
+     },
+     {"--fps", "33.3", "--kernels", "anisotropic", "--velocity", "material,regional"}},
     {"obj",
      [](int k, const fs::path& stem) {
        return write_text(with_ending(stem, ".obj"), obj_of_box(image_time(k), 0.06));

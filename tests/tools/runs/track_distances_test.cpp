@@ -102,6 +102,12 @@ TEST_F(TrackDistances, OptionsOfParticlesAreRefused) {
   o.threshold = 1;
   EXPECT_EQ(refused(o), "phi: --threshold is for particles; these are images");
   o.threshold.reset();
+  o.weights = WeightRule::normalised;
+  EXPECT_EQ(refused(o), "phi: --weights is for particles; these are images");
+  o.weights = WeightRule::uniform;
+  o.kernels = Kernels::anisotropic;
+  EXPECT_EQ(refused(o), "phi: --kernels is for particles; these are images");
+  o.kernels = Kernels::round;
   o.anchor = Anchor::particles;
   EXPECT_EQ(refused(o), "phi: --anchor is for particles; these are images");
   o.anchor = Anchor::none;

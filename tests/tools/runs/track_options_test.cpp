@@ -45,6 +45,47 @@ TEST_F(Track, OptionsOfTheMeshAndOfTheFilesAreFollowed) {
             "--edge: found 0.6 m; expected 0.01 to 0.4 m, which is 0.05 to 2 sigma");
 }
 
+/// Particles of a lattice in a ball that moves by 0.1 m from frame to frame.
+Particles lattice_ball(int k) {
+  constexpr double kRadius = 4.2 * kBodySpacing;
+  Particles ball;
+  for (int z = -4; z <= 4; ++z)
+    for (int y = -4; y <= 4; ++y)
+      for (int x = -4; x <= 4; ++x)
+        if (const Vec3 at = kBodySpacing * Vec3(x, y, z); at.norm() < kRadius) {
+          ball.id.push_back(static_cast<std::int64_t>(ball.id.size()));
+          ball.position.push_back(at + 0.1 * k * Vec3::UnitX());
+          ball.velocity.emplace_back(1, 0, 0);
+        }
+  return ball;
+}
+
+TEST_F(Track, AnisotropicKernelsMakeTheSurfaceSmooth) {
+  for (int k = 0; k < 3; ++k) file(fmt::format("p_{}.csv", k), csv_text(lattice_ball(k), true, true));
+  /// How much the radii of the last surface differ, as their standard deviation [m].
+  const auto roughness = [&](Kernels kernels) {
+    TrackOptions o = options("p_*.csv", {"material"});
+    o.sigma.reset();
+    o.threshold.reset();
+    o.edge_length = 0.25 * kSigma;
+    o.kernels = kernels;
+    EXPECT_EQ(track(o), 0);
+    const std::string expected = fmt::format("\"kernels\" : \"{}\"", name_of(kKernels, kernels));
+    EXPECT_NE(bytes_of(folder / "out/run.json").find(expected), std::string::npos);
+    const auto mesh = surface("material", 2);
+    double sum = 0, squares = 0;
+    for (vtkIdType v = 0; v < mesh->GetNumberOfPoints(); ++v) {
+      const double radius = (Vec3(mesh->GetPoint(v)) - 0.2 * Vec3::UnitX()).norm();
+      sum += radius;
+      squares += radius * radius;
+    }
+    const auto n = static_cast<double>(mesh->GetNumberOfPoints());
+    return std::sqrt(squares / n - sum / n * (sum / n));
+  };
+  const double round = roughness(Kernels::round), anisotropic = roughness(Kernels::anisotropic);
+  EXPECT_LT(anisotropic, 0.5 * round);
+}
+
 TEST_F(Track, ParticlesWithoutASurfaceAreCounted) {
   const auto outside = [&](bool with_stray) {
     write_sequence("csv", kBodyMotion, 0.1, [&](Particles p, int) {
