@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <memory>
+#include <system_error>
 
 #include "core/errors.h"
 
@@ -22,6 +24,9 @@ std::string read_file(const std::filesystem::path& path, std::size_t most_bytes)
   const std::unique_ptr<std::FILE, Close> file(std::fopen(path.c_str(), "rb"));
   std::string bytes;
   if (file) {
+    std::error_code none;  // of what has no size: then the bytes grow as they come
+    if (const std::uintmax_t size = std::filesystem::file_size(path, none); !none)
+      bytes.reserve(std::min<std::uintmax_t>(size, most_bytes));
     std::array<char, 1 << 16> part;
     const auto read_part = [&] {
       return std::fread(part.data(), 1, std::min(part.size(), most_bytes - bytes.size()), file.get());

@@ -93,6 +93,7 @@ ImageFrame frame_from(const LatticeData& image) {
   frame.value.assign(distance->values.begin(), distance->values.end());
   if (const PointArray* velocity = find_array(of_cells ? image.cell_arrays : image.arrays, kFlowNames, 3)) {
     frame.velocity_name = velocity->name;
+    frame.velocity.reserve(velocity->values.size() / 3);
     for (std::size_t i = 0; i < velocity->values.size(); i += 3)
       frame.velocity.emplace_back(Vec3(&velocity->values[i]).cast<float>());
   }

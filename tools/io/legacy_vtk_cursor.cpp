@@ -91,6 +91,7 @@ std::vector<double> LegacyCursor::numbers(NumberType type, std::size_t tuples, s
     values.resize(count);  // bits fill bytes
     return values;
   }
+  values.reserve(std::min(count, rest_.size() / 2 + 1));  // a digit and a blank for each, at least
   for (std::size_t i = 0; i < count; ++i) {
     const std::string_view found = word();
     if (found.empty()) throw_short(what, tuples, components);

@@ -36,26 +36,25 @@ int base64_digit(char c) {
   return c == '=' ? kPadding : kNoDigit;
 }
 
-/// Bytes one after the other, decoded as they are asked for: several pieces of base64, each padded to four
-/// characters, may follow one another.
+/// Bytes one after the other, decoded as they are asked for, and each valid until the next: several pieces of
+/// base64, each padded to four characters, may follow one another.
 class Bytes {
  public:
   Bytes(std::string_view text, bool base64) : text_(text), base64_(base64) {}
 
-  std::string read(std::size_t count) {
-    if (count > text_.size() + decoded_.size()) fail_short();
-    std::string result;
+  std::string_view read(std::size_t count) {
+    if (count > at_most()) fail_short();
     if (!base64_) {
-      result = text_.substr(0, count);
+      const std::string_view result = text_.substr(0, count);
       text_.remove_prefix(count);
       return result;
     }
+    decoded_.erase(0, read_);
     while (decoded_.size() < count) decode_four();
-    result = decoded_.substr(0, count);
-    decoded_.erase(0, count);
-    return result;
+    read_ = count;
+    return std::string_view(decoded_).substr(0, count);
   }
-  std::size_t at_most() const { return text_.size() + decoded_.size(); }
+  std::size_t at_most() const { return text_.size() + decoded_.size() - read_; }
 
  private:
   void decode_four() {
@@ -77,7 +76,8 @@ class Bytes {
 
   std::string_view text_;
   bool base64_;
-  std::string decoded_;  // and not yet read
+  std::string decoded_;
+  std::size_t read_ = 0;  // of what is decoded
 };
 
 std::size_t read_size(Bytes& bytes, const DataEncoding& encoding) {
@@ -111,7 +111,7 @@ std::string uncompressed(Bytes& bytes, const DataEncoding& encoding) {
   for (std::size_t& c : compressed) c = read_size(bytes, encoding);
   std::string result;
   for (std::size_t b = 0; b < blocks; ++b) {
-    const std::string block = bytes.read(compressed[b]);
+    const std::string_view block = bytes.read(compressed[b]);
     const std::size_t expected = b + 1 == blocks && last != 0 ? last : size;
     if (expected / kMostCompressed > block.size())
       throw InvalidInput("has a size in its binary data that is not possible");

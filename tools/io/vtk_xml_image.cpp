@@ -22,6 +22,7 @@ using Index = std::array<std::size_t, 3>;
 struct Extent {
   std::array<std::int64_t, 3> first{}, last{};
 
+  bool operator==(const Extent&) const = default;
   Index points() const {
     Index size;
     for (std::size_t c = 0; c < 3; ++c) size[c] = static_cast<std::size_t>(last[c] - first[c] + 1);
@@ -148,6 +149,10 @@ class ImageReader : public VtkXmlReader {
 
   /// The arrays of all pieces; those that a piece lacks are left out. Where no piece is, there is no number.
   void join(std::vector<PointArray> LatticeData::*arrays, Index (Extent::*size)() const) {
+    if (pieces_.size() == 1 && pieces_[0].extent == whole_) {
+      image_.*arrays = std::move(pieces_[0].data.*arrays);
+      return;
+    }
     const Index whole = (whole_.*size)();
     for (PointArray& first : pieces_[0].data.*arrays) {
       const auto lacks = [&](const Piece& piece) { return like(first, piece.data.*arrays) == nullptr; };

@@ -21,6 +21,8 @@ namespace {
 
 using Attributes = VtkXmlReader::Attributes;
 
+constexpr std::string_view kXmlBlanks = " \t\r\n";
+
 NumberType type_in(Attributes attributes) {
   static constexpr Named<NumberType> kTypes[] = {
       {"Int8", NumberType::int8},      {"UInt8", NumberType::uint8},   {"Int16", NumberType::int16},
@@ -118,7 +120,17 @@ void VtkXmlReader::begin(std::string_view element, Attributes attributes) {
 }
 
 void VtkXmlReader::text(std::string_view more) {
-  if (!open_.empty() && open_.back() == "DataArray") text_ += more;
+  constexpr std::size_t kEnough = 1 << 10;
+  if (open_.empty() || open_.back() != "DataArray" || owner_ == nullptr) return;
+  text_ += more;
+  if (is_text_ && text_.size() > kEnough) take_numbers(text_.find_last_of(kXmlBlanks) + 1);
+}
+
+/// Those in the first characters of the text so far: of a long array it need not be there as a whole.
+void VtkXmlReader::take_numbers(std::size_t length) {
+  const std::vector<double> numbers = numbers_in(std::string_view(text_).substr(0, length));
+  array_.values.insert(array_.values.end(), numbers.begin(), numbers.end());
+  text_.erase(0, length);
 }
 
 void VtkXmlReader::end(std::string_view element) {
@@ -152,6 +164,7 @@ void VtkXmlReader::begin_array(Attributes attributes) {
             {},
             type_};
   format_ = xml_attribute(attributes, "format");
+  is_text_ = format_ != "appended" && format_ != "binary";
   offset_ = format_ == "appended" ? count_in(attributes, "offset") : 0;
 }
 
@@ -162,8 +175,9 @@ void VtkXmlReader::end_array() {
     array_.values = encoded_numbers(appended_.substr(offset_), appended_base64_, type_, encoding_);
   } else if (format_ == "binary") {
     array_.values = encoded_numbers(text_, true, type_, encoding_);
+    std::string().swap(text_);
   } else {
-    array_.values = numbers_in(text_);
+    take_numbers(text_.size());
   }
   owner_->push_back(std::move(array_));
   owner_ = nullptr;
@@ -176,12 +190,11 @@ std::size_t count_in(Attributes attributes, std::string_view name) {
 }
 
 std::vector<double> numbers_in(std::string_view text) {
-  constexpr std::string_view kBlanks = " \t\r\n";
   std::vector<double> values;
   while (true) {
-    text.remove_prefix(std::min(text.find_first_not_of(kBlanks), text.size()));
+    text.remove_prefix(std::min(text.find_first_not_of(kXmlBlanks), text.size()));
     if (text.empty()) return values;
-    const std::string_view word = text.substr(0, text.find_first_of(kBlanks));
+    const std::string_view word = text.substr(0, text.find_first_of(kXmlBlanks));
     values.push_back(number_from(word));
     text.remove_prefix(word.size());
   }

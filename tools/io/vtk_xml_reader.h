@@ -42,6 +42,7 @@ class VtkXmlReader {
   void end(std::string_view element);
   void begin_file(Attributes attributes);
   void begin_array(Attributes attributes);
+  void take_numbers(std::size_t length);
   void end_array();
 
   std::string_view kind_;
@@ -52,7 +53,8 @@ class VtkXmlReader {
   std::vector<PointArray>* owner_ = nullptr;  // where the array goes that is being read
   PointArray array_;
   NumberType type_ = NumberType::float64;
-  std::string format_, text_;
+  bool is_text_ = false;
+  std::string format_, text_;  // the latter as far as its numbers are not read
   std::size_t offset_ = 0;
 };
 

@@ -95,6 +95,38 @@ TEST_F(TrackReliability, ParticlesMayHaveMoved) {
   expect_same_results(folder / "whole", out);
 }
 
+/// n^3 points with distances and velocities, as raw bytes behind the XML: 16 bytes a point.
+std::string raw_vti(int n) {
+  const std::size_t points = static_cast<std::size_t>(n) * n * n;
+  const auto bytes = [](std::size_t numbers) {
+    const std::uint32_t size = static_cast<std::uint32_t>(4 * numbers);
+    return std::string(reinterpret_cast<const char*>(&size), sizeof size) + std::string(size, '\0');
+  };
+  const std::string extent = fmt::format("0 {0} 0 {0} 0 {0}", n - 1);
+  return fmt::format(
+             "<VTKFile type=\"ImageData\" byte_order=\"LittleEndian\"><ImageData WholeExtent=\"{0}\">"
+             "<FieldData><DataArray type=\"Float64\" Name=\"TimeValue\">0</DataArray></FieldData>"
+             "<Piece Extent=\"{0}\"><PointData><DataArray type=\"Float32\" Name=\"phi\" format=\"appended\" "
+             "offset=\"0\"/><DataArray type=\"Float32\" Name=\"u\" NumberOfComponents=\"3\" "
+             "format=\"appended\" offset=\"{1}\"/></PointData></Piece></ImageData>"
+             "<AppendedData encoding=\"raw\">_",
+             extent, 4 + 4 * points) +
+         bytes(points) + bytes(3 * points) + "</AppendedData></VTKFile>";
+}
+
+// Its bytes, and its numbers in double precision; 0.2 of that for whatever else.
+TEST_F(Reliability, ReadingAnImageTakesThreeTimesItsFile) {
+#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
+  GTEST_SKIP() << "the sanitizer holds memory of its own";
+#endif
+  const std::string image = raw_vti(128);
+  for (const char* name : {"phi_0.vti", "phi_1.vti"}) file(name, image);
+  const ProgramResult result = run_program({"track", folder.string()});
+  ASSERT_NE(result.err.find("phi_1.vti: its time, 0 s, is not after"), std::string::npos) << result.err;
+  const auto taken = static_cast<double>(result.peak_memory - run_program({"track", "--help"}).peak_memory);
+  EXPECT_LT(taken, 1.2 * 3 * static_cast<double>(image.size()));
+}
+
 /// A sequence of one kind, with the options that it is tracked by.
 struct SequenceKind {
   const char* name;
