@@ -10,6 +10,7 @@
 
 #include "core/errors.h"
 #include "core/parallel.h"
+#include "core/quantile.h"
 #include "surface/field/anisotropic_field.h"
 #include "surface/field/stray_particles.h"
 #include "surface/field/surface_feet.h"
@@ -26,16 +27,18 @@ constexpr double kKernelVariance = 1.0 / 11;  // of (1 - r^2)^3 in the unit ball
 constexpr double kInsideVariance = kKernelVariance * kVarianceRadius * kVarianceRadius;
 constexpr double kFrameFromVariances = 0.2;  // [1] beside normals, for the axes of what has no normal
 // Sheets and threads.
-constexpr double kThin = 0.08, kNotThin = 0.2;  // [1] of variances: a half-space has a third across
-constexpr double kSheetThickness =
-    256.0 / 315;                            // [sigma] of a sheet whose round kernels add up to the inside's
-constexpr double kThreadSection = 2.0 / 9;  // [sigma^2] square of a thread's radius likewise
-constexpr double kThickest = 0.7;           // [sigma] more cannot be told from a body
-constexpr double kSheetWidth = 1.25, kThreadWidth = 1.1;  // kernels' radius over thickness and diameter
-constexpr double kSheetPeak = 1.95, kThreadPeak = 2.25;   // [T] in the middle puts the surface in its place
-constexpr double kNarrowest = 0.23;                       // of the square of that radius
-constexpr double kLargestCorrection = 2;                  // of weights
-constexpr double kFilled = 0.85;                          // of the inside's sum: more is no sheet
+constexpr double kThin = 0.08, kNotThin = 0.3;   // [1] of variances: a half-space has a third across
+constexpr double kSheetThickness = 256.0 / 315;  // [sigma] with round kernels that add up to the inside's sum
+constexpr double kThreadSection = 2.0 / 9;       // [sigma^2] square of a thread's radius likewise
+constexpr double kThickest = 0.7;                // [sigma] more cannot be told from a body
+constexpr double kThinnestSheet = 0.4, kThinnestThread = 0.25;  // [sigma] that kernels are made for
+constexpr double kSheetWidth = 1.25, kThreadWidth = 1.1;        // kernels' radius over thickness and diameter
+constexpr double kSheetPeak = 0.96;       // [1] of what an even sheet has: others lie beside its middle
+constexpr double kLeastSheetPeak = 1.6;   // [T] less makes holes between the particles
+constexpr double kThreadPeak = 2.25;      // [T]
+constexpr double kNarrowest = 0.23;       // of the square of kernels' radius
+constexpr double kLargestCorrection = 2;  // of weights
+constexpr double kFilled = 0.85;          // of the inside's sum: more is no sheet
 // The surface that is smoothed.
 constexpr double kFirstLevel = 0.4;  // of T: a level set that sheets and threads of one particle have too
 constexpr double kDepth = 1.6;       // [sigma] that a particle is away from it at most
@@ -136,35 +139,35 @@ KernelSize kernel_size(double at_surface, const SurfaceFeet::Normals& normals, c
   const Thinness thinness = thinness_of(variance);
   // Particles that are spread across do not all count fully in the sum: their kernels fall as 1 - 4 d^2.
   const double all = filled / (1 - 8 * kInsideVariance * std::min(variance[0], kNotThin)),
-               thickness = std::min(kThickest, kSheetThickness * all),
-               diameter = std::min(kThickest, 2 * std::sqrt(kThreadSection * all));
+               thickness = std::min(kSheetThickness * all, kThickest),
+               sheet_radius = kSheetWidth * std::max(thickness, kThinnestSheet),
+               diameter = std::clamp(2 * std::sqrt(kThreadSection * all), kThinnestThread, kThickest);
   const auto blend = [&](int a, double share, double to) { s[a] += share * (std::min(to, across) - s[a]); };
-  blend(0, thinness.sheet, squared_radius(kSheetWidth * thickness, variance[0]));
+  blend(0, thinness.sheet, squared_radius(sheet_radius, variance[0]));
   for (const int a : {0, 1}) blend(a, thinness.thread, squared_radius(kThreadWidth * diameter, variance[a]));
   s += thinness.drop * (Vec3::Ones() - s);
-  const double share = thinness.sheet + thinness.thread,
-               peak = thinness.sheet * kSheetPeak + thinness.thread * kThreadPeak;
+  // From its middle on, the sum of a sheet's kernels falls as (1 - u^2)^4 with the distance u in their radii.
+  const double u = 0.5 * thickness / sheet_radius,
+               sheet_peak = std::max(kLeastSheetPeak, kSheetPeak * std::pow(1 - u * u, -4)),
+               share = thinness.sheet + thinness.thread,
+               peak = thinness.sheet * sheet_peak + thinness.thread * kThreadPeak;
   const Middle middle{share, share > 0 ? peak / share : 0};
   return {axes * s.asDiagonal() * axes.transpose(), middle};
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
 }
 
 /// field: whose surface the feet are on. A particle that has none around it, and is not in the depth of a
 /// body, is in the middle of an even sheet or thread: Newton's method does not know which way to go there.
 std::vector<Middle> set_shapes(const FieldParticles& p, const Field& field, double threshold,
                                const SurfaceFeet& feet, KernelShapes& shapes) {
-  const Variances variances(p.position, median(p.sigma));
-  const double usual_weight = median(p.weight), inside = 2 * threshold / usual_weight;
+  std::vector<double> sigmas = p.sigma, weights = p.weight;
+  const Variances variances(p.position, quantile(sigmas, 0.5));
+  // Weights that are normalised are smallest inside.
+  const double inside_weight = quantile(weights, 0.1), inside = 2 * threshold / inside_weight;
   std::vector<Middle> middle(p.position.size());
   // Of particles with such a weight the sum of the round kernels at x over that of the inside.
   const auto filled_at = [&](const Vec3& x, double weight) {
     const double sum = (field.value_and_gradient(x).f + kFirstLevel * threshold) / weight;
-    return weight > 0 && usual_weight > 0 ? sum / inside : 1;
+    return weight > 0 && inside_weight > 0 ? sum / inside : 1;
   };
   parallel_for(p.position.size(), [&](std::size_t i) {
     const double sigma = p.sigma[i];
@@ -177,7 +180,7 @@ std::vector<Middle> set_shapes(const FieldParticles& p, const Field& field, doub
       size = kernel_size(std::max(0.0, at_surface), normals, variances.around(x, sigma), filled);
     shapes.shape[i] = symmetric(size.squared_radii.inverse() / (sigma * sigma));
     // Weights that are normalised for round kernels would make what is thin too thick.
-    const double weight = p.weight[i] + size.middle.share * (usual_weight - p.weight[i]);
+    const double weight = p.weight[i] + size.middle.share * (inside_weight - p.weight[i]);
     shapes.weight[i] = weight / std::sqrt(size.squared_radii.determinant());
     middle[i] = size.middle;
   });
