@@ -59,6 +59,9 @@ constexpr Named<double> kVelocitySeconds[] = {
     {"normal", 0.35e-6},         {"total", 0.35e-6},   {"curvature", 0.6e-6}, {"curvature-only", 0.6e-6},
     {"curvature-first", 0.6e-6}, {"material", 0.7e-6}, {"regional", 1.8e-6}};
 
+// Anisotropic kernels take this many times round ones' time in velocities, fairing and topology.
+constexpr double kAnisotropicTimes = 2.2;
+
 // The flow. The fastest particle of liquid that runs down somewhere has about this share of the largest speed
 // that free fall allows, in the mean; a stream falls all the time; torn liquid squirts.
 constexpr double kTypicalSpeedShare = 0.6, kTypicalStreamShare = 0.7, kLargestSpeedShare = 1.1;
@@ -282,6 +285,10 @@ bool is_tracked(std::string_view method) {
   return !method.starts_with("fresh-");
 }
 
+double kernel_times(const Scene& scene) {
+  return scene.surface.kernels == Kernels::anisotropic ? kAnisotropicTimes : 1;
+}
+
 /// A step of all tracked surfaces at a vertex.
 double tracker_seconds_per_vertex(const Scene& scene) {
   const TrackerOptions& tracker = scene.surface.tracker;
@@ -290,8 +297,9 @@ double tracker_seconds_per_vertex(const Scene& scene) {
   double total = 0;
   for (const std::string& method : scene.surface.methods)
     if (is_tracked(method))
-      total += stages(tracker.integrator) * velocity_seconds(scene, method) + fairing +
-               (scene.surface.remesh ? kSecondsPerRemeshing : 0);
+      total +=
+          kernel_times(scene) * (stages(tracker.integrator) * velocity_seconds(scene, method) + fairing) +
+          (scene.surface.remesh ? kSecondsPerRemeshing : 0);
   return total;
 }
 
@@ -311,7 +319,8 @@ double topology_seconds(double smooth, double torn, const Scene& scene, const Fl
       scene.fluid.emitters.empty()
           ? 0
           : kStreamRegionsPerMotion * std::pow(std::min(flow.reynolds, kMostFolding), kFoldingPower);
-  return kSecondsPerRegionVertex * motion * (kRegionsPerMotion * torn * torn + folding * smooth * smooth);
+  return kernel_times(scene) * kSecondsPerRegionVertex * motion *
+         (kRegionsPerMotion * torn * torn + folding * smooth * smooth);
 }
 
 /// With the time of setting up in units of an iteration's.

@@ -19,8 +19,9 @@ namespace kappaflow {
 namespace {
 
 // The shapes, see the header.
-constexpr double kStretch = 1.5;              // [sigma] along a surface
-constexpr double kAcross = 0.5;               // of the square of that, across it
+constexpr double kStretch = 1.5;  // [sigma] along a surface
+constexpr double kBend = 2;       // [1] shorter where the surface is bent: of the normals' second eigenvalue
+constexpr double kAcross = 0.5;   // of the square of that, across it
 constexpr double kVarianceRadius = 1.5;       // [sigma]
 constexpr double kKernelVariance = 1.0 / 11;  // of (1 - r^2)^3 in the unit ball, along an axis
 // [sigma^2] of positions in the inside of a body, within kVarianceRadius
@@ -125,8 +126,9 @@ struct KernelSize {
 /// at_surface: 0 in the depth, 1 from half-way up to the surface. C: of Variances. filled: the sum of the
 /// round kernels at the particle over that of the inside.
 KernelSize kernel_size(double at_surface, const SurfaceFeet::Normals& normals, const Mat3& C, double filled) {
-  constexpr double along = kStretch * kStretch, across = kAcross * along;
   const Mat3 Q = at_surface * normals.tensor;
+  const double bend = std::min(1.0, kBend * normals.second),
+               along = 1 + (kStretch * kStretch - 1) * (1 - bend), across = kAcross * along;
   Mat3 axes = Eigen::SelfAdjointEigenSolver<Mat3>().computeDirect(Q - kFrameFromVariances * C).eigenvectors();
   const auto along_axis = [&](const Mat3& tensor, int a) { return axes.col(a).dot(tensor * axes.col(a)); };
   std::array<std::pair<double, int>, 3> order;

@@ -35,16 +35,18 @@ struct KernelShapes {
 
 /// Kernels after Yu & Turk (2013), "Reconstructing surfaces of particle-based fluids using anisotropic
 /// kernels", that keep the volume: M^-1 = sigma^2 S, where S has the eigenvalues
-///   s_a = 1 + 1.25 m - 1.5^2 q_a/2.
+///   s_a = 1 + (l - 1) m - l q_a/2.
 /// m: 1 at the surface and 0 in the depth. q: of the tensor of the surface's normals around the particle, the
-/// largest one m; half as much across a surface as along it puts curved surfaces in the right place, to first
-/// order. Where the particles around vary little along an axis, they are a sheet, or a thread where along
-/// two: across it s = (1.25 d)^2 - 2.25 c, with d the thickness that the sum of round kernels tells [sigma]
-/// and c the variance over that of the inside, and the weight puts the surface d/2 from the middle. A
-/// particle that has no others near keeps its round kernel. The centres move along the normal by twice the
-/// height that the surface, smoothed over 3.6 sigma with weights to which planes and quadrics are smooth
-/// already, has over its own, in three passes, at most 0.2 sigma. See docs/kernels.md. threshold: T of the
-/// field [-]. Throws InvalidInput as check_field_particles() does, and unless threshold > 0.
+/// largest one m. l: 1.5^2 on flat surfaces, 1 where the second of the normals' eigenvalues is half of the
+/// largest: at creases kernels stay short. Half as much across a surface as along it puts curved surfaces in
+/// the right place, to first order. Where the particles around vary little along an axis, they are a sheet,
+/// or a thread where along two: across it s = (1.25 d)^2 - 2.25 c, with d the thickness that the sum of round
+/// kernels tells [sigma] and c the variance over that of the inside, and the weight puts the surface d/2 from
+/// the middle; but for d < 0.33, where particles would make holes. A particle that has no others near keeps
+/// its round kernel. The centres move along the normal by twice the height that the surface, smoothed
+/// over 3.6 sigma with weights to which planes and quadrics are smooth already, has over its own, in three
+/// passes, at most 0.2 sigma. See docs/kernels.md. threshold: T of the field [-]. Throws InvalidInput as
+/// check_field_particles() does, and unless threshold > 0.
 KernelShapes kernel_shapes(const FieldParticles& particles, double threshold);
 
 }  // namespace kappaflow

@@ -162,10 +162,12 @@ SurfaceFeet::Normals SurfaceFeet::normals_around(const Vec3& x, double radius) c
     nearest2 = std::min(nearest2, least);
   });
   Normals result{.tensor = full(sum), .nearest = std::sqrt(nearest2)};
-  const double largest = Eigen::SelfAdjointEigenSolver<Mat3>()
-                             .computeDirect(result.tensor, Eigen::EigenvaluesOnly)
-                             .eigenvalues()[2];
-  if (largest > 0) result.tensor /= largest;
+  const Vec3 eigenvalues = Eigen::SelfAdjointEigenSolver<Mat3>()
+                               .computeDirect(result.tensor, Eigen::EigenvaluesOnly)
+                               .eigenvalues();
+  if (!(eigenvalues[2] > 0)) return result;
+  result.tensor /= eigenvalues[2];
+  result.second = eigenvalues[1] / eigenvalues[2];
   return result;
 }
 

@@ -44,6 +44,7 @@ class SurfaceFeet {
   /// nearest foot [m], infinite where none is within `radius` [m].
   struct Normals {
     Mat3 tensor = Mat3::Zero();
+    double second = 0;  ///< its second eigenvalue: 0 where the surface is flat
     double nearest = kInfinity;
   };
   Normals normals_around(const Vec3& x, double radius) const;

@@ -50,9 +50,11 @@ TEST(Estimate, TimeFollowsDurationMethodsStepsAndThreads) {
   const Scene scene = tank(0.05);
   const double seconds = estimate_of(scene, 1).seconds;
   EXPECT_GT(seconds, 0);
-  Scene longer = scene, unfollowed = scene, slower = scene, on_a_grid = scene;
+  Scene longer = scene, unfollowed = scene, slower = scene, on_a_grid = scene, smooth = scene;
   longer.duration = 10;
   EXPECT_GT(estimate_of(longer, 1).seconds, 9 * seconds);
+  smooth.surface.kernels = Kernels::anisotropic;
+  EXPECT_GT(estimate_of(smooth, 1).seconds, 1.1 * seconds);
   unfollowed.surface.methods.clear();
   EXPECT_LT(estimate_of(unfollowed, 1).seconds, seconds);
   on_a_grid.surface.methods = {"fresh-grid"};

@@ -224,8 +224,15 @@ TEST_F(QuickExperiment, Kernels) {
   EXPECT_LT(5 * of("ball: height [sigma]", "anisotropic"), of("ball: height [sigma]", "round"));
   EXPECT_LT(5 * of("ball: normals [degrees]", "anisotropic"), of("ball: normals [degrees]", "round"));
   EXPECT_NEAR(of("ball: volume", "anisotropic"), 1, 0.01);
+  for (const char* body : {"plane", "pool"}) {
+    const std::string height = fmt::format("{}: height [sigma]", body),
+                      normals = fmt::format("{}: normals [degrees]", body);
+    EXPECT_LT(4 * of(height.c_str(), "anisotropic"), of(height.c_str(), "round")) << body;
+    EXPECT_LT(4 * of(normals.c_str(), "anisotropic"), of(normals.c_str(), "round")) << body;
+  }
   EXPECT_EQ(of("sheet of 1 particles: thickness", "round"), 0);
   EXPECT_NEAR(of("sheet of 1 particles: thickness", "anisotropic"), 1, 0.05);
+  EXPECT_NEAR(of("thread of one particle: radius", "anisotropic"), 1, 0.05);
   for (const char* frame : {"staircase_frame_05", "staircase_frame_12"}) {
     const std::string slip = fmt::format("slip of regional on {}", frame);
     EXPECT_LT(of(slip.c_str(), "anisotropic"), 1.05 * of(slip.c_str(), "round"));
