@@ -170,7 +170,7 @@ Lie of_planes(const KernelsOptions& o, Kernels kernels) {
 /// Of liquid at rest in a basin, its middle.
 Lie of_pool(const KernelsOptions& o, const Particles& pool, Kernels kernels) {
   constexpr int kRays = 3000;
-  constexpr double kMargin = 0.2;  // of the basin's edge
+  constexpr double kMargin = 0.3;  // of the basin's edge
   const auto& basin = std::get<BasinShape>(o.pool.walls.front().shape);
   const Vec3 size = basin.upper - basin.lower;
   ParticleFieldOptions options{.sigma = o.sigma * o.pool.fluid.spacing, .kernels = kernels};

@@ -85,6 +85,33 @@ TEST(AnisotropicFieldJet, IsThatOfEquation12ForRoundKernels) {
   }
 }
 
+// Kernels that deform as the material does in an affine motion u = u_0 + G x: it carries f, Df/Dt = 0, and
+// Dg/Dt = -G^T g.
+TEST(AnisotropicFieldJet, IsCarriedByAnAffineMotion) {
+  std::mt19937 random(8);
+  RandomKernels r = random_kernels(21, 200, 1.5);
+  Mat3 G;
+  for (int a = 0; a < 3; ++a) G.col(a) = random_vector(random, 1);
+  const Vec3 u_0 = random_vector(random, 1);
+  const auto u = [&](const Vec3& x) { return Vec3(u_0 + G * x); };
+  for (std::size_t i = 0; i < r.kernels.size(); ++i) {
+    const Mat3 M = full(r.kernels.shape[i]);
+    r.kernels.velocity[i] = u(r.kernels.center[i]);
+    r.kernels.shape_rate[i] = symmetric(Mat3(-(G.transpose() * M + M * G)));
+    r.kernels.weight_rate[i] = 0;
+  }
+  const AnisotropicField field(r.particles, r.kernels, 0.3, 0);
+  double speeds = 0;
+  for (int k = 0; k < 100; ++k) {
+    const Vec3 x = random_vector(random, 1.5);
+    const Jet jet = field.jet(x);
+    speeds = std::max(speeds, std::abs(jet.f_t));
+    EXPECT_NEAR(jet.f_t + jet.g.dot(u(x)), 0, 1e-11 * jet.g.norm());
+    EXPECT_LT((jet.g_t + jet.A * u(x) + G.transpose() * jet.g).norm(), 1e-11 * (jet.g.norm() + jet.A.norm()));
+  }
+  EXPECT_GT(speeds, 1) << "nothing moved";
+}
+
 TEST(AnisotropicField, HasOneValueAndGradientHoweverItIsAsked) {
   const auto [particles, kernels] = random_kernels(21, 300, 2);
   const AnisotropicField field(particles, kernels, 0.3, 0);
