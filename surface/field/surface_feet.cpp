@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/parallel.h"
+#include "core/quantile.h"
 
 namespace kappaflow {
 namespace {
@@ -49,8 +50,6 @@ SurfaceFeet::SurfaceFeet(std::span<const Foot> feet, std::span<const double> sig
   if (feet.empty()) return;
   for (double& r : radius_) r *= radius;
   std::vector<double> radii = radius_;
-  const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
-  std::ranges::nth_element(radii, middle);
   std::vector<Vec3> place;
   std::vector<std::uint32_t> known;
   for (std::uint32_t i = 0; i < feet.size(); ++i)
@@ -58,7 +57,7 @@ SurfaceFeet::SurfaceFeet(std::span<const Foot> feet, std::span<const double> sig
       place.push_back(feet[i].position);
       known.push_back(i);
     }
-  grid_.build(std::span<const Vec3>(place), *middle / kCellsPerRadius);
+  grid_.build(std::span<const Vec3>(place), upper_median(radii) / kCellsPerRadius);
   const std::size_t n = known.size();
   foot_.resize(n);
   for (auto* arrays : {&y_, &n_})

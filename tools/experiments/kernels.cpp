@@ -255,14 +255,15 @@ struct FlowResult {
   OfKernels slip, slip_near;  // of the whole surface, and of what is near that of round kernels
 };
 
-/// Without what is further than kNear from the surface of `other`.
-SurfaceState near_part(SurfaceState state, const TriangleMesh& mesh, const Field& other) {
+/// 1 for vertices that are near the surface of `field`.
+std::vector<char> near_surface(const TriangleMesh& mesh, const Field& field) {
   constexpr double kNear = 0.1;  // [sigma]
+  std::vector<char> is_near(mesh.vertex_count());
   parallel_for(mesh.vertex_count(), [&](std::size_t v) {
-    const ValueAndGradient at = other.value_and_gradient(mesh.position[v]);
-    if (!(std::abs(at.f) < kNear * other.length_scale() * at.g.norm())) state.area[v] = 0;
+    const ValueAndGradient at = field.value_and_gradient(mesh.position[v]);
+    is_near[v] = std::abs(at.f) < kNear * field.length_scale() * at.g.norm();
   });
-  return state;
+  return is_near;
 }
 
 std::vector<FlowResult> flow_results(const KernelsOptions& o, const ExperimentContext& context) {
@@ -280,11 +281,13 @@ std::vector<FlowResult> flow_results(const KernelsOptions& o, const ExperimentCo
       const auto field = particle_field(particles, kKernels[k].value, threshold, 0);
       const TriangleMesh mesh = initial_mesh(*field, o.edge_length, {});
       const VertexRings rings = vertex_rings(mesh.vertex_count(), mesh.triangles);
+      const std::vector<char> is_near = near_surface(mesh, *round);
       for (std::size_t m = 0; m < velocity_methods().size(); ++m) {
-        const SurfaceState state =
-            surface_state(*field, mesh, rings, velocity_methods()[m].evaluate, o.velocity);
+        SurfaceState state = surface_state(*field, mesh, rings, velocity_methods()[m].evaluate, o.velocity);
         results[first + m].slip[k] = slip(state).value_or(std::nan(""));
-        results[first + m].slip_near[k] = slip(near_part(state, mesh, *round)).value_or(std::nan(""));
+        for (std::size_t v = 0; v < is_near.size(); ++v)
+          if (!is_near[v]) state.area[v] = 0;
+        results[first + m].slip_near[k] = slip(state).value_or(std::nan(""));
       }
     }
   }
@@ -350,9 +353,8 @@ Report experiment_kernels(const ExperimentContext& context) {
   report.name = context.name;
   report.title = options.title;
   report.introduction = fmt::format(
-      "Particles of a lattice, and liquid at rest, sigma {} spacings, threshold half the interior value; and "
-      "{} "
-      "frames of a viscous flow on a staircase that another simulator made (sigma 2 spacings).",
+      "Particles of a lattice, and liquid at rest, sigma {} spacings, threshold half the interior value; "
+      "and {} frames of a viscous flow on a staircase that another simulator made (sigma 2 spacings).",
       options.sigma, options.frames.size());
   const KernelsOptions whole = read_options(context, false);
   add_smaller(report, "particle spacing of the pool", fmt::format("{} m", options.pool.fluid.spacing),

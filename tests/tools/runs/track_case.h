@@ -29,20 +29,35 @@ class Track : public Scratch {
       file(fmt::format("p_{}.{}", k + 6, ending),
            text(moved_block(motion, frame_time * k), k));  // to 10 and 11
   }
-  TrackOptions options(const std::string& pattern, std::vector<std::string> methods) const {
+  TrackOptions options_for(const std::string& pattern, std::vector<std::string> methods) const {
     TrackOptions o;
     o.inputs = {(folder / pattern).string()};
     o.folder = folder / "out";
     o.methods = std::move(methods);
+    o.force = o.quiet = true;
+    return o;
+  }
+  /// The same, of the block of particles.
+  TrackOptions options(const std::string& pattern, std::vector<std::string> methods) const {
+    TrackOptions o = options_for(pattern, std::move(methods));
     o.frames_per_second = 10;
     o.sigma = kSigma;
     o.threshold = kThreshold;
     o.edge_length = 0.5 * kSigma;
-    o.force = o.quiet = true;
     return o;
   }
   vtkSmartPointer<vtkPolyData> surface(const std::string& method, int frame) const {
     return read_vtp(folder / "out" / fmt::format("surface-{}/surface_{:04}.vtp", method, frame));
+  }
+  /// Mean distance of the vertices of a frame from where moved(rest position) says that they are [m].
+  template <class Moved>
+  double mean_error(const std::string& method, int frame, const Moved& moved) const {
+    const auto mesh = surface(method, frame);
+    vtkDataArray& rest = *mesh->GetPointData()->GetArray("rest_position");
+    double sum = 0;
+    for (vtkIdType v = 0; v < mesh->GetNumberOfPoints(); ++v)
+      sum += (Vec3(mesh->GetPoint(v)) - moved(Vec3(rest.GetTuple3(v)))).norm();
+    return sum / static_cast<double>(mesh->GetNumberOfPoints());
   }
   /// The largest distance of a vertex from where the motion takes its rest position, in sigma. Vertices that
   /// edits of the mesh made have a blend for rest position, and no vote.
