@@ -1,4 +1,4 @@
-// Particles, surfaces and images in VTK XML files, of other programs and our own.
+// Particles, surfaces, images and lists of pieces in VTK XML files, of other programs and our own.
 #include "tools/io/vtk_xml.h"
 
 #include "tests/fuzz/reader_fuzzer.h"
@@ -14,5 +14,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (!grid) value_or_error([&] { read_particle_file(file); });
   value_or_error([&] { parse_vtk_surface(bytes); });
   value_or_error([&] { parse_vtk_image(bytes); });
+  value_or_error([&] { parse_vtk_pieces(bytes, grid ? "UnstructuredGrid" : "PolyData"); });
   return 0;
 }

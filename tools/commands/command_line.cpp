@@ -58,11 +58,11 @@ void add_range(CLI::App& track, FileRange& range) {
 void add_track(CLI::App& app, CommandLine& line) {
   CLI::App* track = app.add_subcommand(
       "track", "Track the surface of particles, images or meshes that another program wrote");
-  CLI::Option* files =
-      track->add_option("FILES", line.track.inputs,
-                        "A file a frame: particles (.vtk, .vtp, .vtu, .bgeo, .hdf5, .csv), images of "
-                        "signed distances (.vti, .vtk, .vdb) or closed meshes (.obj, .ply, "
-                        ".stl, .vtp, .vtk); names, a pattern in quotes, a folder, or a .pvd");
+  CLI::Option* files = track->add_option(
+      "FILES", line.track.inputs,
+      "A file a frame: particles (.vtk, .vtp, .vtu, .pvtp, .pvtu, .bgeo, .hdf5, .csv), images of "
+      "signed distances (.vti, .vtk, .vdb) or closed meshes (.obj, .ply, "
+      ".stl, .vtp, .vtk); names, a pattern in quotes, a folder, or a .pvd");
   CLI::Option* resume =
       add_resume(*track, line.track.resume, "; FILES: where the files are now, if elsewhere");
   track->add_option("--out", line.track.folder, "Folder for the results (default: out/<name of the files>)");

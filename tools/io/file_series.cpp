@@ -4,7 +4,10 @@
 #include <glob.h>
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <iterator>
@@ -20,6 +23,7 @@
 #include "core/text_scanner.h"
 #include "tools/io/input_frame.h"
 #include "tools/io/input_kind.h"
+#include "tools/io/parallel_vtk.h"
 #include "tools/io/pvd_reader.h"
 
 namespace kappaflow {
@@ -32,7 +36,9 @@ struct NumberedName {
   fs::path file;
   std::vector<std::string> texts;
   std::vector<std::string> digits;
-  std::uint64_t number = 0;  ///< what the file is sorted by
+  std::uint64_t number = 0;        ///< what the file is sorted by
+  std::uint64_t rank = 0;          ///< of which it is a piece
+  std::vector<fs::path> pieces{};  ///< of the frame whose first file it is
 };
 
 bool is_digit(char c) {
@@ -40,7 +46,7 @@ bool is_digit(char c) {
 }
 
 NumberedName numbered(const std::string& file) {
-  NumberedName name{file, {}, {}};
+  NumberedName name{.file = file, .texts = {}, .digits = {}};
   const char *at = file.data(), *const end = at + file.size();
   while (true) {
     const char* const digits = std::find_if(at, end, is_digit);
@@ -84,15 +90,16 @@ std::string with_literal_folders(const fs::path& pattern) {
 }
 
 /// The files in a folder that may be frames: those that may be particles where there are any, for walls may
-/// lie beside them as meshes.
+/// lie beside them as meshes; of these those that list pieces where there are any, for the pieces may.
 std::vector<std::string> files_in(const fs::path& folder) {
-  std::vector<std::string> files, particles;
+  std::vector<std::string> files, particles, lists;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     if (!entry.is_regular_file()) continue;
     if (is_input_file(entry.path())) files.push_back(entry.path().string());
     if (is_particle_file(entry.path())) particles.push_back(entry.path().string());
+    if (is_parallel_vtk(entry.path())) lists.push_back(entry.path().string());
   }
-  if (!particles.empty()) files = particles;
+  if (!particles.empty()) files = lists.empty() ? particles : lists;
   if (files.empty())
     throw InvalidInput(fmt::format("{}: there are no frames in this folder (expected {})", folder.string(),
                                    kInputFileKinds));
@@ -158,8 +165,63 @@ void keep_range(std::vector<Item>& items, const FileRange& range, const NumberOf
 [[noreturn]] void refuse_as_different(const NumberedName& a, const NumberedName& b) {
   throw InvalidInput(
       fmt::format("{} and {} belong to different series; name the files of one, whose "
-                  "names differ in one number",
-                  a.file.string(), b.file.string()));
+                  "names differ in one number{}",
+                  a.file.string(), b.file.string(),
+                  a.texts == b.texts ? ", or beside it in that of a rank (rank0, proc0, piece0, ...)" : ""));
+}
+
+/// Whether what follows the text is the number of a rank.
+bool precedes_rank(std::string text) {
+  static constexpr std::array<std::string_view, 8> kWords{"rank",  "proc",   "process", "processor",
+                                                          "piece", "domain", "cpu",     "mpi"};
+  text.erase(text.find_last_not_of("_-. =") + 1);
+  const auto letter = [](char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; };
+  const auto word = std::find_if_not(text.rbegin(), text.rend(), letter).base();
+  return std::ranges::count(kWords, lower_case({word, text.end()})) > 0;
+}
+
+/// Takes the numbers of ranks that the names differ in out of them.
+void take_ranks(std::vector<NumberedName>& names) {
+  const NumberedName first = names.front();
+  const auto same_texts = [&](const NumberedName& name) { return name.texts == first.texts; };
+  if (!std::ranges::all_of(names, same_texts)) return;
+  for (std::size_t n = first.digits.size(); n-- > 0;) {
+    const auto rank = [&](const NumberedName& name) { return value_of(name.digits[n], name.file); };
+    const auto same = [&](const NumberedName& name) { return rank(name) == rank(names.front()); };
+    if (!precedes_rank(first.texts[n]) || std::ranges::all_of(names, same)) continue;
+    for (NumberedName& name : names) {
+      name.rank = rank(name);
+      name.texts[n] += name.texts[n + 1];
+      name.texts.erase(name.texts.begin() + static_cast<std::ptrdiff_t>(n) + 1);
+      name.digits.erase(name.digits.begin() + static_cast<std::ptrdiff_t>(n));
+    }
+    return;
+  }
+}
+
+/// Leaves one name a frame, with its pieces; of sorted names. Throws InvalidInput where frames have others.
+void join_pieces(std::vector<NumberedName>& names) {
+  std::vector<NumberedName> frames;
+  std::vector<std::uint64_t> first_ranks, ranks;
+  for (std::size_t i = 0; i < names.size();) {
+    NumberedName& frame = frames.emplace_back(names[i]);
+    ranks.clear();
+    for (; i < names.size() && names[i].number == frame.number; ++i) {
+      if (!ranks.empty() && ranks.back() == names[i].rank)
+        throw InvalidInput(fmt::format("{} and {} have the same number", names[i - 1].file.string(),
+                                       names[i].file.string()));
+      ranks.push_back(names[i].rank);
+      frame.pieces.push_back(names[i].file);
+    }
+    if (frames.size() == 1) first_ranks = ranks;
+    if (ranks == first_ranks) continue;
+    const auto [a, b] = std::ranges::mismatch(first_ranks, ranks);
+    const bool lacks = b == ranks.end() || (a != first_ranks.end() && *a < *b);
+    throw InvalidInput(fmt::format("the frame of {} has {} piece of rank {}, and that of {} has {}",
+                                   frame.file.string(), lacks ? "no" : "a", lacks ? *a : *b,
+                                   frames.front().file.string(), lacks ? "one" : "none"));
+  }
+  names = std::move(frames);
 }
 
 /// Which digits the names differ in, as many as there are. Throws InvalidInput where all else is not the
@@ -252,10 +314,29 @@ std::string gap_in(const std::vector<NumberedName>& names, const VaryingNumber& 
                      names[i + 1].file.string(), names[i].file.string(), varying.value(usual));
 }
 
-/// The first part of each time that a .pvd lists.
+void forget_lone_pieces(FileSeries& series) {
+  if (std::ranges::all_of(series.pieces, [](const auto& pieces) { return pieces.size() == 1; }))
+    series.pieces.clear();
+}
+
+/// Whether a part is of the same data set as the first one of its time.
+bool is_piece_of(const PvdEntry& first, const PvdEntry& part) {
+  return part.time == first.time && part.name == first.name &&
+         numbered(part.file).texts == numbered(first.file).texts;
+}
+
+/// The first part of each time that a .pvd lists, with the pieces of the same data set.
 FileSeries listed_files(const fs::path& pvd, const FileRange& range) {
-  std::vector<PvdEntry> entries = read_pvd(pvd);
-  std::erase_if(entries, [](const PvdEntry& entry) { return entry.part != 0; });
+  std::vector<PvdEntry> entries;
+  std::vector<std::vector<fs::path>> pieces;
+  for (const PvdEntry& entry : read_pvd(pvd)) {
+    if (entry.part == 0) {
+      entries.push_back(entry);
+      pieces.push_back({pvd.parent_path() / entry.file});
+    } else if (!entries.empty() && is_piece_of(entries.back(), entry)) {
+      pieces.back().push_back(pvd.parent_path() / entry.file);
+    }
+  }
   if (entries.size() < 2)
     throw InvalidInput(fmt::format("{} lists {}; a sequence takes two or more", pvd.string(),
                                    entries.empty() ? "no file" : "one file"));
@@ -266,9 +347,11 @@ FileSeries listed_files(const fs::path& pvd, const FileRange& range) {
   series.name = pvd.stem().string();
   series.stride = range.stride;
   for (const std::size_t k : kept) {
-    series.files.push_back(pvd.parent_path() / entries[k].file);
+    series.files.push_back(pieces[k].front());
+    series.pieces.push_back(std::move(pieces[k]));
     series.times.push_back(entries[k].time);
   }
+  forget_lone_pieces(series);
   return series;
 }
 
@@ -278,16 +361,23 @@ FileSeries numbered_files(std::span<const std::string> patterns, const FileRange
   if (names.size() < 2)
     throw InvalidInput(
         fmt::format("{} is one file; a sequence takes two or more", names.front().file.string()));
+  take_ranks(names);
   const VaryingNumber varying = read_numbers(names);
-  std::ranges::sort(names, {}, [](const NumberedName& name) { return std::pair(name.number, name.file); });
-  for (std::size_t i = 1; i < names.size(); ++i)
-    if (names[i].number == names[i - 1].number)
-      throw InvalidInput(
-          fmt::format("{} and {} have the same number", names[i - 1].file.string(), names[i].file.string()));
+  std::ranges::sort(names, {},
+                    [](const NumberedName& name) { return std::tuple(name.number, name.rank, name.file); });
+  join_pieces(names);
+  if (names.size() < 2)
+    throw InvalidInput(fmt::format("{} and {} are pieces of one frame; a sequence takes two or more",
+                                   names.front().pieces.front().string(),
+                                   names.front().pieces.back().string()));
   keep_range(names, range, [&](const NumberedName& name) { return varying.value(name.number); });
   FileSeries series;
   series.stride = range.stride;
-  for (const NumberedName& name : names) series.files.push_back(name.file);
+  for (const NumberedName& name : names) {
+    series.files.push_back(name.file);
+    series.pieces.push_back(name.pieces);
+  }
+  forget_lone_pieces(series);
   series.name = series_name(names.front(), varying);
   series.step = varying.value(usual_step(steps_of(names))) / range.stride;
   series.is_decimal = varying.places > 0;
@@ -304,6 +394,7 @@ FileSeries file_series(std::span<const std::string> patterns, const FileRange& r
   series.backward = range.backward;
   if (range.backward) {
     std::ranges::reverse(series.files);
+    std::ranges::reverse(series.pieces);
     std::ranges::reverse(series.times);
   }
   return series;

@@ -8,11 +8,13 @@
 #include <initializer_list>
 #include <limits>
 #include <string_view>
+#include <utility>
 
 #include "core/errors.h"
 #include "core/text_scanner.h"
 #include "tools/io/bgeo_file.h"
 #include "tools/io/number_table.h"
+#include "tools/io/parallel_vtk.h"
 #include "tools/io/point_data.h"
 #include "tools/io/pysph_file.h"
 #include "tools/io/vtk_points.h"
@@ -24,6 +26,7 @@ namespace fs = std::filesystem;
 
 constexpr int kFluidType = 3;  // DualSPHysics: 0 fixed, 1 moving, 2 floating, 3 fluid
 constexpr int kLocalTag = 0;   // PySPH: 0 local, 1 remote, 2 ghost
+constexpr int kNoGhost = 0;    // VTK: of points 1 duplicate, 2 hidden; in older files how far from the piece
 
 using VectorNames = std::array<std::string_view, 3>;
 constexpr VectorNames kPositionNames{"x", "y", "z"};
@@ -60,10 +63,13 @@ std::vector<std::size_t> chosen_points(const PointData& data) {
       find_array(arrays, {"idp"}, 1) != nullptr ? find_array(arrays, {"type"}, 1) : nullptr;
   const PointArray* tag =
       find_array(arrays, {"gid"}, 1) != nullptr ? find_array(arrays, {"tag"}, 1) : nullptr;
+  const PointArray* ghost = find_array(arrays, {"vtkghosttype", "vtkghostlevels"}, 1);
+  const auto is = [](const PointArray* array, std::size_t i, int value) {
+    return array == nullptr || array->values[i] == value;
+  };
   std::vector<std::size_t> chosen;
   for (std::size_t i = 0; i < data.position.size(); ++i)
-    if ((type == nullptr || type->values[i] == kFluidType) && (tag == nullptr || tag->values[i] == kLocalTag))
-      chosen.push_back(i);
+    if (is(type, i, kFluidType) && is(tag, i, kLocalTag) && is(ghost, i, kNoGhost)) chosen.push_back(i);
   return chosen;
 }
 
@@ -128,9 +134,6 @@ InputFrame frame_from_points(const PointData& points, const fs::path& file) {
   copy_scalar(find_array(arrays, {"density", "rho", "rhop"}, 1), chosen, frame.density);
   copy_scalar(find_array(arrays, {"pressure", "press", "p"}, 1), chosen, frame.pressure);
   copy_scalar(find_array(arrays, {"temperature", "temp"}, 1), chosen, frame.temperature);
-  // With a number that is not finite it is something else, or not known everywhere.
-  if (!std::ranges::all_of(frame.temperature, [](float t) { return std::isfinite(t); }))
-    frame.temperature.clear();
   copy_names(find_array(arrays, {"source"}, 1), chosen, frame.source);
   if (const PointArray* radius = find_radius(arrays)) {
     frame.radius_name = radius->name;
@@ -204,14 +207,8 @@ void check_finite(const std::vector<Value>& values, const char* what, const Inpu
   }
 }
 
-}  // namespace
-
-bool is_particle_file(const fs::path& file) {
-  static constexpr std::array<std::string_view, 6> kKinds{".vtk", ".vtp", ".vtu", ".bgeo", ".hdf5", ".csv"};
-  return std::ranges::count(kKinds, lower_case(file.extension().string())) > 0;
-}
-
-InputFrame read_input_frame(const fs::path& file) {
+/// The particles of one file, of which there may be none.
+InputFrame read_piece(const fs::path& file) {
   const std::string kind = lower_case(file.extension().string());
   if (kind == ".npz")
     throw InvalidInput({file.string()}, "is NumPy's; tools/pysph/to_vtk.py writes its particles as .vtk");
@@ -222,12 +219,6 @@ InputFrame read_input_frame(const fs::path& file) {
                      : kind == ".bgeo" ? frame_from_points(read_bgeo(file), file)
                      : kind == ".hdf5" ? frame_from_points(read_pysph(file), file)
                                        : frame_from_points(read_vtk_points(file), file);
-  if (frame.position.empty())
-    throw InvalidInput(
-        {file.string()},
-        frame.left_out == 0
-            ? std::string("holds no particles")
-            : fmt::format("holds no liquid: all {} particles are of walls or ghosts", frame.left_out));
   check_finite(frame.position, "position", frame, file);
   check_finite(frame.velocity, "velocity", frame, file);
   check_finite(frame.density, "density", frame, file);
@@ -240,6 +231,114 @@ InputFrame read_input_frame(const fs::path& file) {
   if (frame.time && !std::isfinite(*frame.time))
     throw InvalidInput({file.string()}, fmt::format("its time is {} s; it must be finite", *frame.time));
   return frame;
+}
+
+/// What the pieces of a frame must have in common.
+class CommonOfPieces {
+ public:
+  /// Throws InvalidInput where the piece differs from those before.
+  void add(const InputFrame& piece, const fs::path& file) {
+    left_out_ += piece.left_out;
+    if (piece.time && timed_.empty()) {
+      timed_ = file;
+      time_ = *piece.time;
+    }
+    if (piece.time && *piece.time != time_)
+      throw InvalidInput({file.string()},
+                         fmt::format("its time is {} s; that of {}, a piece of the same frame, "
+                                     "is {} s",
+                                     *piece.time, timed_.string(), time_));
+    if (piece.position.empty()) return;
+    const std::array<bool, kNames.size()> has{!piece.id.empty(),          !piece.velocity.empty(),
+                                              !piece.density.empty(),     !piece.pressure.empty(),
+                                              !piece.temperature.empty(), !piece.radius.empty()};
+    if (first_.empty()) {
+      first_ = file;
+      has_ = has;
+    }
+    for (std::size_t a = 0; a < has.size(); ++a)
+      if (has[a] != has_[a])
+        throw InvalidInput({(has[a] ? first_ : file).string()},
+                           fmt::format("has no {}; {}, a piece of the same frame, has", kNames[a],
+                                       (has[a] ? file : first_).string()));
+  }
+
+  /// Throws InvalidInput where no piece has a particle.
+  void check_any(const fs::path& frame) const {
+    if (!first_.empty()) return;
+    throw InvalidInput(
+        {frame.string()},
+        left_out_ == 0 ? std::string("holds no particles")
+                       : fmt::format("holds no liquid: all {} particles are of walls or ghosts", left_out_));
+  }
+
+ private:
+  static constexpr std::array<const char*, 6> kNames{"ids",       "velocities",   "densities",
+                                                     "pressures", "temperatures", "radii"};
+  fs::path first_, timed_;  // the first with particles, and with a time
+  std::array<bool, kNames.size()> has_{};
+  double time_ = 0;
+  std::size_t left_out_ = 0;
+};
+
+/// Sources that are whole numbers in some of the pieces only are something else.
+void append_sources(const InputFrame& piece, InputFrame& frame) {
+  if (frame.source.size() != frame.position.size() || piece.source.size() != piece.position.size())
+    frame.source.clear();
+  else
+    frame.source.insert(frame.source.end(), piece.source.begin(), piece.source.end());
+}
+
+void append(InputFrame&& piece, InputFrame& frame) {
+  const std::size_t left_out = frame.left_out + piece.left_out;
+  const std::optional<double> time = frame.time ? frame.time : piece.time;
+  if (frame.position.empty()) {
+    frame = std::move(piece);
+  } else if (!piece.position.empty()) {
+    append_sources(piece, frame);
+    const auto add = [](const auto& from, auto& to) { to.insert(to.end(), from.begin(), from.end()); };
+    add(piece.position, frame.position);
+    add(piece.id, frame.id);
+    add(piece.velocity, frame.velocity);
+    add(piece.density, frame.density);
+    add(piece.pressure, frame.pressure);
+    add(piece.temperature, frame.temperature);
+    add(piece.radius, frame.radius);
+  }
+  frame.left_out = left_out;
+  frame.time = time;
+}
+
+}  // namespace
+
+bool is_particle_file(const fs::path& file) {
+  static constexpr std::array<std::string_view, 8> kKinds{".vtk",  ".vtp",  ".vtu",  ".pvtp",
+                                                          ".pvtu", ".bgeo", ".hdf5", ".csv"};
+  return std::ranges::count(kKinds, lower_case(file.extension().string())) > 0;
+}
+
+void for_each_piece(std::span<const fs::path> files, const std::function<void(InputFrame&& piece)>& take) {
+  CommonOfPieces common;
+  for (const fs::path& file : files)
+    for (const fs::path& piece : pieces_of(file)) {
+      InputFrame read = read_piece(piece);
+      common.add(read, piece);
+      take(std::move(read));
+    }
+  common.check_any(files.front());
+}
+
+InputFrame read_input_frame(std::span<const fs::path> files) {
+  InputFrame frame;
+  for_each_piece(files, [&](InputFrame&& piece) { append(std::move(piece), frame); });
+  // With a number that is not finite it is something else, or not known everywhere.
+  if (!std::ranges::all_of(frame.temperature, [](float t) { return std::isfinite(t); }))
+    frame.temperature.clear();
+  return frame;
+}
+
+InputFrame read_input_frame(const fs::path& file) {
+  return read_input_frame({&file, 1});
 }
 
 }  // namespace kappaflow

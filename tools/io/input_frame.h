@@ -1,9 +1,11 @@
-// The particles of one file that another program wrote.
+// The particles of one frame that another program wrote.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -26,9 +28,11 @@ struct InputFrame {
   std::size_t left_out = 0;  ///< particles of walls, and copies that belong to other processors
 };
 
-/// Reads, by the ending of the name,
+/// Reads a frame of one file or of several, the pieces that the ranks of a distributed solver wrote: their
+/// particles one after the other. By the ending of the name,
 ///   .vtk       legacy VTK, text or binary, polydata or unstructured grid (SPlisHSPlasH, DualSPHysics)
 ///   .vtp .vtu  VTK XML (kappaflow, PySPH)
+///   .pvtp .pvtu  parallel VTK XML: the pieces that it lists, relative to it
 ///   .bgeo      Partio's, version 5 (SPlisHSPlasH): id, velocity or v, density, pressure
 ///   .hdf5      PySPH's own
 ///   .csv       with the columns x, y, z, perhaps id, vx, vy, vz and radius (see number_table.h)
@@ -36,12 +40,18 @@ struct InputFrame {
 /// velocity, vel, v (3 components) or u, v, w or vx, vy, vz; density, rho, rhop; pressure, press, p;
 /// temperature, temp; source (only where all are whole numbers); radius, particle_radius, pscale, and h of
 /// PySPH's; the field array TimeValue or time. DualSPHysics' particles of walls (beside Idp a Type other than
-/// 3) are left out, as are PySPH's remote and ghost particles (tag not 0). Throws IoError (not readable, not
-/// complete), InvalidInput (no particles, a number that is not finite).
+/// 3) are left out, as are PySPH's remote and ghost particles (tag not 0) and what VTK's arrays vtkGhostType
+/// and vtkGhostLevels call duplicate or hidden. Throws IoError (not readable, not complete, a piece is not
+/// there), InvalidInput (no particles, a number that is not finite, pieces of different times or arrays).
+InputFrame read_input_frame(std::span<const std::filesystem::path> files);
 InputFrame read_input_frame(const std::filesystem::path& file);
+
+/// The same piece by piece: calls take(piece) for each, of which some may have no particles, and keeps none.
+void for_each_piece(std::span<const std::filesystem::path> files,
+                    const std::function<void(InputFrame&& piece)>& take);
 
 /// Whether the ending of the name is one of those.
 bool is_particle_file(const std::filesystem::path& file);
-inline constexpr const char* kParticleFileKinds = ".vtk, .vtp, .vtu, .bgeo, .hdf5 or .csv";
+inline constexpr const char* kParticleFileKinds = ".vtk, .vtp, .vtu, .pvtp, .pvtu, .bgeo, .hdf5 or .csv";
 
 }  // namespace kappaflow

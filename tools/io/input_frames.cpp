@@ -14,14 +14,13 @@ std::size_t bytes_in(const InputFrame& frame) {
 
 }  // namespace
 
-InputFrames::InputFrames(std::vector<std::filesystem::path> files, bool backward, std::size_t limit)
-    : files_(std::move(files)), backward_(backward), room_(limit) {}
+InputFrames::InputFrames(FileSeries series, std::size_t limit) : series_(std::move(series)), room_(limit) {}
 
 const InputFrame& InputFrames::operator[](std::size_t frame) {
   for (auto* frames : {&kept_, &last_})
     if (const auto found = frames->find(frame); found != frames->end()) return found->second;
-  InputFrame read = read_input_frame(files_[frame]);
-  if (backward_)
+  InputFrame read = read_input_frame(series_.files_of(frame));
+  if (series_.backward)
     for (Vec3& velocity : read.velocity) velocity = -velocity;
   const std::size_t bytes = bytes_in(read);
   if (bytes <= room_) {

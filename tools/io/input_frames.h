@@ -2,11 +2,9 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
 #include <map>
-#include <span>
-#include <vector>
 
+#include "tools/io/file_series.h"
 #include "tools/io/input_frame.h"
 
 namespace kappaflow {
@@ -19,18 +17,17 @@ class InputFrames {
   static constexpr std::size_t kMostBytes = std::size_t{512} << 20;
   static constexpr std::size_t kWindow = 3;
 
-  /// backward: velocities have the other sign than in the files. limit: for the frames that stay [bytes].
-  InputFrames(std::vector<std::filesystem::path> files, bool backward, std::size_t limit = kMostBytes);
+  /// Where the series is backward velocities have the other sign than in the files. limit: for the frames
+  /// that stay [bytes].
+  InputFrames(FileSeries series, std::size_t limit = kMostBytes);
 
-  std::size_t size() const { return files_.size(); }
-  std::span<const std::filesystem::path> files() const { return files_; }
+  const FileSeries& series() const { return series_; }
 
   /// The frame, valid until kWindow others have been asked for. Throws what read_input_frame() throws.
   const InputFrame& operator[](std::size_t frame);
 
  private:
-  std::vector<std::filesystem::path> files_;
-  bool backward_;
+  FileSeries series_;
   std::size_t room_;                        // left for frames that stay [bytes]
   std::map<std::size_t, InputFrame> kept_;  // for good
   std::map<std::size_t, InputFrame> last_;  // those read last, at most kWindow

@@ -11,6 +11,7 @@
 #include "core/read_file.h"
 #include "core/text_scanner.h"
 #include "tools/io/input_frame.h"
+#include "tools/io/parallel_vtk.h"
 
 namespace kappaflow {
 namespace {
@@ -71,6 +72,8 @@ InputKind input_kind(const fs::path& file) {
   if (std::ranges::count(kImageEndings, ending) > 0) return InputKind::images;
   if (std::ranges::count(kMeshEndings, ending) > 0) return InputKind::meshes;
   if (ending == ".vtk") return kind_of_legacy(file);
+  if (ending == ".pvtp" && kind_of_vtp(pieces_of(file).front()) == InputKind::meshes)
+    throw InvalidInput({file.string()}, "holds polygons; meshes are read from one file a frame");
   return ending == ".vtp" ? kind_of_vtp(file) : InputKind::particles;
 }
 

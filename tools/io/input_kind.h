@@ -13,17 +13,18 @@ enum class InputKind { particles, images, meshes };
 inline constexpr Named<InputKind> kInputKinds[] = {
     {"particles", InputKind::particles}, {"images", InputKind::images}, {"meshes", InputKind::meshes}};
 
-/// By the ending of the name: particles .vtu, .bgeo, .hdf5 and .csv; images .vti and .vdb; meshes .obj, .ply
-/// and .stl. By what is in it, .vtk: images where it holds structured points, meshes where it holds polygons
-/// or triangle strips, else particles; .vtp: meshes where a piece that begins in the first MiB has polygons
-/// or strips, else particles. Throws IoError where it must be read and cannot be, InvalidInput for other
-/// endings.
+/// By the ending of the name: particles .vtu, .pvtu, .bgeo, .hdf5 and .csv; images .vti and .vdb; meshes
+/// .obj, .ply and .stl. By what is in it, .vtk: images where it holds structured points, meshes where it
+/// holds polygons or triangle strips, else particles; .vtp: meshes where a piece that begins in the first MiB
+/// has polygons or strips, else particles; .pvtp: as its first piece, but no meshes. Throws IoError where it
+/// must be read and cannot be, InvalidInput for other endings, and for meshes in pieces.
 InputKind input_kind(const std::filesystem::path& file);
 
 /// Whether the ending of the name is one of those.
 bool is_input_file(const std::filesystem::path& file);
 inline constexpr const char* kInputFileKinds =
-    ".vtk, .vtp, .vtu, .bgeo, .hdf5 or .csv with particles, .vti, .vtk or .vdb with distances, .obj, .ply, "
+    ".vtk, .vtp, .vtu, .pvtp, .pvtu, .bgeo, .hdf5 or .csv with particles, .vti, .vtk or .vdb with distances, "
+    ".obj, .ply, "
     ".stl, .vtp or .vtk with meshes";
 
 }  // namespace kappaflow

@@ -189,7 +189,7 @@ void check_same_array(const char* what, const std::string& first_name, const std
 Survey survey(InputFrames& frames, const FileSeries& series,
               const std::function<void(std::size_t file)>& watch) {
   Survey found(series);
-  const auto files = frames.files();
+  const std::vector<fs::path>& files = series.files;
   for (std::size_t k = 0; k < files.size(); ++k) {
     if (watch) watch(k);
     const fs::path& file = files[k];
@@ -302,7 +302,7 @@ Coincidence coincident_particles(std::span<const Vec3> position) {
 
 ParticleSequence::ParticleSequence(FileSeries series, std::optional<double> frames_per_second,
                                    const std::function<void(std::size_t file)>& watch)
-    : series_(std::move(series)), inputs_(series_.files, series_.backward) {
+    : series_(std::move(series)), inputs_(series_) {
   const Survey found = survey(inputs_, series_, watch);
   found.times.check_gap();
   hash_ = found.hash.text();

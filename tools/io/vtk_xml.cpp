@@ -9,6 +9,7 @@
 #include "core/errors.h"
 #include "core/text_scanner.h"
 #include "tools/io/vtk_xml_reader.h"
+#include "tools/io/xml_parser.h"
 
 namespace kappaflow {
 namespace {
@@ -45,6 +46,7 @@ class PieceReader : public VtkXmlReader {
 
  private:
   void end_piece() {
+    if (points_ == 0) coordinates_.resize(1, {{}, 3, {}});  // writers leave out what there is nothing of
     if (coordinates_.size() != 1 || coordinates_[0].components != 3)
       throw InvalidInput("has no one array of 3 components in Points");
     const std::vector<double>& x = coordinates_[0].values;
@@ -58,6 +60,7 @@ class PieceReader : public VtkXmlReader {
   }
 
   void append_polygons() {
+    if (polys_.empty() && strips_.empty() && points_ == 0) return;
     if (polys_.empty()) throw InvalidInput("has no arrays connectivity and offsets in Polys");
     add_cells(polys_, [&](std::span<const int> polygon) {
       polygons_.corner.insert(polygons_.corner.end(), polygon.begin(), polygon.end());
@@ -117,6 +120,22 @@ class PieceReader : public VtkXmlReader {
   std::vector<PointArray> cell_arrays_;
 };
 
+/// What a parallel file says of its pieces.
+class SourceReader : public VtkXmlReader {
+ public:
+  explicit SourceReader(std::string_view kind) : VtkXmlReader(kind) {}
+  std::vector<std::string> sources;
+
+ protected:
+  void begin_part(std::string_view element, Attributes attributes) override {
+    if (element != "Piece") return;
+    sources.emplace_back(xml_attribute(attributes, "Source"));
+    if (sources.back().empty()) throw InvalidInput("has a piece without a Source");
+  }
+  void end_part(std::string_view /*element*/) override {}
+  std::vector<PointArray>* arrays_in(std::string_view /*element*/) override { return nullptr; }
+};
+
 VtkPolygons parse(std::string_view bytes, std::string_view kind, bool with_polygons) {
   PieceReader reader(kind, with_polygons);
   reader.read(bytes);
@@ -134,6 +153,14 @@ void check_cell_arrays(const VtkSurface& surface) {
 
 PointData parse_vtk_xml(std::string_view bytes, std::string_view kind) {
   return parse(bytes, kind, false).points;
+}
+
+std::vector<std::string> parse_vtk_pieces(std::string_view bytes, std::string_view kind) {
+  const std::string parallel = fmt::format("P{}", kind);
+  SourceReader reader(parallel);
+  reader.read(bytes);
+  if (reader.sources.empty()) throw InvalidInput("has no pieces");
+  return std::move(reader.sources);
 }
 
 VtkPolygons parse_vtk_polygons(std::string_view bytes) {

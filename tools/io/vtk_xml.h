@@ -1,6 +1,7 @@
 // Points, surfaces and images in VTK XML files, see VtkXmlReader.
 #pragma once
 
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -12,6 +13,10 @@ namespace kappaflow {
 /// the other. kind: PolyData (.vtp) or UnstructuredGrid (.vtu). Cells are skipped. Throws InvalidInput that
 /// says what is wrong, as all of these do.
 PointData parse_vtk_xml(std::string_view bytes, std::string_view kind);
+
+/// What a parallel VTK XML file (.pvtp, .pvtu) gives as the sources of its pieces, in its order. kind: of the
+/// pieces. Throws as parse_vtk_xml() does, and where a piece has none or there is no piece.
+std::vector<std::string> parse_vtk_pieces(std::string_view bytes, std::string_view kind);
 
 struct VtkPolygons {
   PointData points;

@@ -15,10 +15,10 @@
 namespace kappaflow {
 namespace {
 
-std::vector<std::filesystem::path> particle_files(const RunFrames& frames, int last) {
-  std::vector<std::filesystem::path> files;
-  for (int frame = 0; frame <= last; ++frame) files.push_back(frames.folder() / particle_file(frame));
-  return files;
+FileSeries particle_files(const RunFrames& frames, int last) {
+  FileSeries series;
+  for (int frame = 0; frame <= last; ++frame) series.files.push_back(frames.folder() / particle_file(frame));
+  return series;
 }
 
 }  // namespace
@@ -32,7 +32,7 @@ bool is_fed(const RunFrames& frames) {
 }
 
 EmissionTimes::EmissionTimes(const RunFrames& frames, int last)
-    : folder_(frames.folder()), frames_(particle_files(frames, last), 0) {
+    : folder_(frames.folder()), frames_(particle_files(frames, last)) {
   double before = 0;
   for (int frame = 0; frame <= last; ++frame) {
     const InputFrame& here = particles(frame);

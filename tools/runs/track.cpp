@@ -24,10 +24,15 @@ fs::path folder_for(const TrackOptions& options, const TrackInput& input) {
   return options.folder.empty() ? fs::path("out") / input.name() : options.folder;
 }
 
+std::string pieces_text(const FileSeries& series) {
+  if (series.pieces.empty()) return {};
+  return fmt::format(", each with the others of its {} pieces", series.pieces.front().size());
+}
+
 std::string setup_text(const TrackInput& input) {
   const std::vector<fs::path>& files = input.series().files;
-  std::string text = fmt::format("{}: {} files, {} ... {}\n", input.name(), files.size(),
-                                 files.front().string(), files.back().string());
+  std::string text = fmt::format("{}: {} files, {} ... {}{}\n", input.name(), files.size(),
+                                 files.front().string(), files.back().string(), pieces_text(input.series()));
   for (const std::string& note : input.notes()) text += fmt::format("  {}\n", note);
   return text + input.setup_text() + fmt::format("  velocity {}\n", fmt::join(input.surface().methods, ", "));
 }
@@ -35,6 +40,8 @@ std::string setup_text(const TrackInput& input) {
 /// The files where anybody finds them, as a checkpoint has them.
 FileSeries absolute(FileSeries series) {
   for (fs::path& file : series.files) file = fs::absolute(file);
+  for (std::vector<fs::path>& pieces : series.pieces)
+    for (fs::path& file : pieces) file = fs::absolute(file);
   return series;
 }
 
@@ -119,6 +126,10 @@ double edge_length_in(double length_scale, const TrackOptions& options) {
 std::unique_ptr<TrackInput> open_input(const FileSeries& series, const TrackOptions& options,
                                        const FileWatch& watch) {
   const InputKind kind = input_kind(series.files.front());
+  if (kind != InputKind::particles && !series.pieces.empty())
+    throw InvalidInput(
+        {series.pieces.front().back().string()},
+        fmt::format("is a piece of a frame; {} are read from one file a frame", name_of(kInputKinds, kind)));
   return kind == InputKind::particles ? particle_input(series, options, watch)
                                       : distance_input(series, kind, options, watch);
 }

@@ -58,7 +58,8 @@ TEST_F(FileSeriesNames, AFolderStandsForTheFramesInIt) {
   std::filesystem::create_directory(folder / "empty");
   EXPECT_EQ(message_of<InvalidInput>([&] { series("empty"); }),
             path("empty") +
-                ": there are no frames in this folder (expected .vtk, .vtp, .vtu, .bgeo, .hdf5 or .csv with "
+                ": there are no frames in this folder (expected .vtk, .vtp, .vtu, .pvtp, .pvtu, .bgeo, .hdf5 "
+                "or .csv with "
                 "particles, .vti, .vtk or .vdb with distances, .obj, .ply, .stl, .vtp or .vtk with meshes)");
 }
 

@@ -156,7 +156,7 @@ TEST_F(InputFrames, WrongFilesAreSaidInOneLine) {
       "any order, perhaps among others");
   EXPECT_EQ(complains("a.csv", "x,y,z\n"), ": holds no particles");
   EXPECT_EQ(complains("a.xyz", ""),
-            ": unknown kind of particle file; expected .vtk, .vtp, .vtu, .bgeo, .hdf5 or .csv");
+            ": unknown kind of particle file; expected .vtk, .vtp, .vtu, .pvtp, .pvtu, .bgeo, .hdf5 or .csv");
   Particles odd = moved_block(kBodyMotion, 0);
   odd.position[2] = Vec3(0, std::nan(""), 1);
   EXPECT_EQ(complains("a.vtk", splishsplash_text(odd)),

@@ -37,9 +37,11 @@ TEST_F(InputFramesOf, SeriesThatFitsIsReadOnce) {
 }
 
 TEST_F(InputFramesOf, BeyondTheLimitOnlyTheFirstAndTheLastReadStay) {
-  InputFrames all(files, false);
+  FileSeries series;
+  series.files = files;
+  InputFrames all(series);
   const std::size_t bytes = bytes_of(all[0].position, all[0].id);
-  InputFrames frames(files, false, 2 * bytes);
+  InputFrames frames(series, 2 * bytes);
   for (int k = 0; k < kFrames; ++k) frames[k];
   take_files_away();
   for (const int k : {0, 1, 3, 4, 5}) EXPECT_EQ(frames[k].position.size(), all[0].position.size()) << k;

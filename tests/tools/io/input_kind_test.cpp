@@ -29,7 +29,8 @@ TEST_F(InputKinds, MostAreKnownByTheirEndings) {
     EXPECT_FALSE(is_input_file(name));
     EXPECT_EQ(message_of<InvalidInput>([&] { input_kind(name); }),
               std::string(name) +
-                  ": unknown kind of file; expected .vtk, .vtp, .vtu, .bgeo, .hdf5 or .csv with particles, "
+                  ": unknown kind of file; expected .vtk, .vtp, .vtu, .pvtp, .pvtu, .bgeo, .hdf5 or .csv "
+                  "with particles, "
                   ".vti, .vtk or .vdb with distances, .obj, .ply, .stl, .vtp or .vtk with meshes");
   }
 }

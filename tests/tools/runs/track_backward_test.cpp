@@ -1,6 +1,5 @@
 // Sequences tracked from their last frame to their first.
 #include <functional>
-#include <set>
 
 #include "core/errors.h"
 #include "tests/tools/distance_files.h"
@@ -54,15 +53,6 @@ Particles reversed(Particles p) {
 SignedDistances reversed(SignedDistances image) {
   for (Eigen::Vector3f& velocity : image.velocity) velocity = -velocity;
   return image;
-}
-
-/// All that a run wrote but what names its input, or says how long it took.
-std::set<fs::path> results_in(const fs::path& run) {
-  std::set<fs::path> files;
-  for (const auto& entry : fs::recursive_directory_iterator(run))
-    if (!entry.is_directory()) files.insert(fs::relative(entry.path(), run));
-  for (const char* name : {"run.json", "timings.csv", "checkpoint.bin"}) EXPECT_EQ(files.erase(name), 1);
-  return files;
 }
 
 // By definition: what a program would have written whose time runs the other way.

@@ -6,6 +6,8 @@
 #include <vtkPointData.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -19,6 +21,16 @@ namespace kappaflow {
 /// At 10 a second: the body moves 0.3 m, 3 of its spacings, and turns 0.67 rad.
 inline constexpr int kFrames = 6;
 inline constexpr double kSigma = 0.2, kThreshold = 2.5;
+
+/// All that a run wrote but what names its input, or says how long it took.
+inline std::set<std::filesystem::path> results_in(const std::filesystem::path& run) {
+  namespace fs = std::filesystem;
+  std::set<fs::path> files;
+  for (const auto& entry : fs::recursive_directory_iterator(run))
+    if (!entry.is_directory()) files.insert(fs::relative(entry.path(), run));
+  for (const char* name : {"run.json", "timings.csv", "checkpoint.bin"}) EXPECT_EQ(files.erase(name), 1);
+  return files;
+}
 
 class Track : public Scratch {
  protected:
