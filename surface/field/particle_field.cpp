@@ -39,23 +39,38 @@ ParticleField::ParticleField(const FieldParticles& particles, double threshold, 
   set_particles(particles, without_strays(particles.position, particles.sigma, particles.weight, threshold));
 }
 
-/// Takes those particles of which `kept` has the indices.
+ParticleField::ParticleField(const FieldParticles& particles, std::span<const std::uint32_t> kept,
+                             double threshold, double time)
+    : threshold_(threshold), time_(time), cloud_speed_(particles.cloud_speed) {
+  set_particles(particles, kept);
+}
+
 void ParticleField::set_particles(const FieldParticles& p, std::span<const std::uint32_t> kept) {
   const std::size_t n = kept.size();
   if (n == 0) return;
-  std::vector<Vec3> place(n);
   smallest_sigma_ = kInfinity;
   bounds_ = {p.position[kept[0]], p.position[kept[0]]};
   for (std::size_t k = 0; k < n; ++k) {
     const std::uint32_t i = kept[k];
-    place[k] = p.position[i];
     smallest_sigma_ = std::min(smallest_sigma_, p.sigma[i]);
-    largest_sigma_ = std::max(largest_sigma_, p.sigma[i]);
     bounds_.lower = bounds_.lower.cwiseMin(p.position[i] - Vec3::Constant(p.sigma[i]));
     bounds_.upper = bounds_.upper.cwiseMax(p.position[i] + Vec3::Constant(p.sigma[i]));
     fastest_speed_ = std::max(fastest_speed_, p.velocity[i].norm());
   }
   fastest_speed_ = std::max(fastest_speed_, cloud_speed_);
+  std::vector<std::uint32_t> own, coarse;
+  for (const std::uint32_t i : kept) (p.sigma[i] < 2 * smallest_sigma_ ? own : coarse).push_back(i);
+  if (!coarse.empty()) coarser_.reset(new ParticleField(p, coarse, threshold_, time_));
+  sort_by_cell(p, own);
+}
+
+void ParticleField::sort_by_cell(const FieldParticles& p, std::span<const std::uint32_t> kept) {
+  const std::size_t n = kept.size();
+  std::vector<Vec3> place(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    place[k] = p.position[kept[k]];
+    largest_sigma_ = std::max(largest_sigma_, p.sigma[kept[k]]);
+  }
   grid_.build(std::span<const Vec3>(place), largest_sigma_);
   for (auto* array : {&x_, &y_, &z_, &inverse_sigma2_, &weight_}) array->resize(n);
   source_.resize(n);
@@ -68,6 +83,7 @@ void ParticleField::set_particles(const FieldParticles& p, std::span<const std::
     weight_[k] = p.weight[i];
     source_[k] = {p.velocity[i], p.sigma[i], p.weight_rate[i]};
   });
+  grid_.forget_points();
 }
 
 /// Appends to `hit`, which holds `count` already, the particles of [begin, end) in reach of x; returns the
@@ -135,9 +151,11 @@ inline void ParticleField::load_hits(const Vec3& x, std::span<const std::uint32_
 Jet ParticleField::jet(const Vec3& x) const {
   ParticleHits hits;
   JetSums sums;
-  visit_hits(x, [&](std::span<const std::uint32_t> indices) {
-    load_hits(x, indices, hits);
-    for (std::size_t first = 0; first < hits.count; first += ParticleHits::kLanes) sums.add(hits, first);
+  for_each_level([&](const ParticleField& level) {
+    level.visit_hits(x, [&](std::span<const std::uint32_t> indices) {
+      level.load_hits(x, indices, hits);
+      for (std::size_t first = 0; first < hits.count; first += ParticleHits::kLanes) sums.add(hits, first);
+    });
   });
   return sums.jet(threshold_, cloud_speed_);
 }
@@ -146,12 +164,14 @@ Jet ParticleField::jet(const Vec3& x, StrainResponse& strain) const {
   ParticleHits hits;
   JetSums sums;
   StrainSums strain_sums;
-  visit_hits(x, [&](std::span<const std::uint32_t> indices) {
-    load_hits(x, indices, hits);
-    for (std::size_t first = 0; first < hits.count; first += ParticleHits::kLanes) {
-      sums.add(hits, first);
-      strain_sums.add(hits, first);
-    }
+  for_each_level([&](const ParticleField& level) {
+    level.visit_hits(x, [&](std::span<const std::uint32_t> indices) {
+      level.load_hits(x, indices, hits);
+      for (std::size_t first = 0; first < hits.count; first += ParticleHits::kLanes) {
+        sums.add(hits, first);
+        strain_sums.add(hits, first);
+      }
+    });
   });
   Jet jet = sums.jet(threshold_, cloud_speed_);
   strain = strain_sums.response(jet);
@@ -161,23 +181,25 @@ Jet ParticleField::jet(const Vec3& x, StrainResponse& strain) const {
 ValueAndGradient ParticleField::value_and_gradient(const Vec3& x) const {
   // So few operations that picking the hits first would cost more than evaluating the misses, where u = 0.
   double f = 0, gx = 0, gy = 0, gz = 0;
-  grid_.ranges_near(x, largest_sigma_, [&](std::uint32_t begin, std::uint32_t end) {
-    // Copies that nothing else can change: the loop vectorises.
-    const double *xs = x_.data(), *ys = y_.data(), *zs = z_.data(), *is2s = inverse_sigma2_.data(),
-                 *ws = weight_.data();
-    const double x0 = x[0], x1 = x[1], x2 = x[2];
-    double run_f = 0, run_gx = 0, run_gy = 0, run_gz = 0;
+  for_each_level([&](const ParticleField& level) {
+    level.grid_.ranges_near(x, level.largest_sigma_, [&](std::uint32_t begin, std::uint32_t end) {
+      // Copies that nothing else can change: the loop vectorises.
+      const double *xs = level.x_.data(), *ys = level.y_.data(), *zs = level.z_.data(),
+                   *is2s = level.inverse_sigma2_.data(), *ws = level.weight_.data();
+      const double x0 = x[0], x1 = x[1], x2 = x[2];
+      double run_f = 0, run_gx = 0, run_gy = 0, run_gz = 0;
 #pragma omp simd reduction(+ : run_f, run_gx, run_gy, run_gz)
-    for (std::size_t k = begin; k < end; ++k) {
-      const double dx = x0 - xs[k], dy = x1 - ys[k], dz = x2 - zs[k], is2 = is2s[k];
-      const double inside = 1 - (dx * dx + dy * dy + dz * dz) * is2, u = inside > 0 ? inside : 0;
-      const double w_u2 = ws[k] * u * u, p1 = -6 * w_u2 * is2;
-      run_f += w_u2 * u;
-      run_gx += p1 * dx;
-      run_gy += p1 * dy;
-      run_gz += p1 * dz;
-    }
-    f += run_f, gx += run_gx, gy += run_gy, gz += run_gz;
+      for (std::size_t k = begin; k < end; ++k) {
+        const double dx = x0 - xs[k], dy = x1 - ys[k], dz = x2 - zs[k], is2 = is2s[k];
+        const double inside = 1 - (dx * dx + dy * dy + dz * dz) * is2, u = inside > 0 ? inside : 0;
+        const double w_u2 = ws[k] * u * u, p1 = -6 * w_u2 * is2;
+        run_f += w_u2 * u;
+        run_gx += p1 * dx;
+        run_gy += p1 * dy;
+        run_gz += p1 * dz;
+      }
+      f += run_f, gx += run_gx, gy += run_gy, gz += run_gz;
+    });
   });
   return {f - threshold_, Vec3(gx, gy, gz)};
 }
@@ -190,15 +212,17 @@ std::optional<Vec3> ParticleField::material_velocity(const Vec3& x) const {
   using Vec4 = Eigen::Vector4d;
   Eigen::Matrix4d moment = Eigen::Matrix4d::Zero();
   Eigen::Matrix<double, 4, 3> rhs = Eigen::Matrix<double, 4, 3>::Zero();
-  visit_hits(x, [&](std::span<const std::uint32_t> indices) {
-    for (const std::uint32_t k : indices) {
-      const Vec3 d(x_[k] - x[0], y_[k] - x[1], z_[k] - x[2]);
-      const double u = 1 - d.squaredNorm() * inverse_sigma2_[k];
-      const Vec4 basis(1, d[0] / smallest_sigma_, d[1] / smallest_sigma_, d[2] / smallest_sigma_);
-      const Vec4 weighted = u * u * u * basis;
-      moment += weighted * basis.transpose();
-      rhs += weighted * source_[k].velocity.transpose();
-    }
+  for_each_level([&](const ParticleField& level) {
+    level.visit_hits(x, [&](std::span<const std::uint32_t> indices) {
+      for (const std::uint32_t k : indices) {
+        const Vec3 d(level.x_[k] - x[0], level.y_[k] - x[1], level.z_[k] - x[2]);
+        const double u = 1 - d.squaredNorm() * level.inverse_sigma2_[k];
+        const Vec4 basis(1, d[0] / smallest_sigma_, d[1] / smallest_sigma_, d[2] / smallest_sigma_);
+        const Vec4 weighted = u * u * u * basis;
+        moment += weighted * basis.transpose();
+        rhs += weighted * level.source_[k].velocity.transpose();
+      }
+    });
   });
   const double sum = moment(0, 0);
   if (!(sum > 0)) return std::nullopt;
@@ -206,35 +230,41 @@ std::optional<Vec3> ParticleField::material_velocity(const Vec3& x) const {
   return Vec3(moment.ldlt().solve(rhs).row(0).transpose());
 }
 
-/// Whether f may be positive where the particle reaches: f <= sum_j w_j - T there, over the particles within
-/// sigma_i + sigma_j of it, itself included (see without_strays()). Neighbours in the cell order are asked
-/// first: they settle it for all but a few.
-bool ParticleField::may_have_surface(std::size_t p) const {
+/// Whether f may be positive where the p-th particle of a level reaches: f <= sum_j w_j - T there, over the
+/// particles within sigma_i + sigma_j of it, itself included (see without_strays()). Neighbours in the cell
+/// order are asked first: they settle it for all but a few.
+bool ParticleField::may_have_surface(const ParticleField& of, std::size_t p) const {
   constexpr std::size_t kAskedFirst = 8;  // on either side in the cell order
-  const auto share = [&](std::size_t q) {
-    const double reach = source_[p].sigma + source_[q].sigma, dx = x_[q] - x_[p], dy = y_[q] - y_[p],
-                 dz = z_[q] - z_[p];
-    return dx * dx + dy * dy + dz * dz < reach * reach ? std::max(weight_[q], 0.0) : 0.0;
+  const auto share = [&](const ParticleField& level, std::size_t q) {
+    const double reach = of.source_[p].sigma + level.source_[q].sigma, dx = level.x_[q] - of.x_[p],
+                 dy = level.y_[q] - of.y_[p], dz = level.z_[q] - of.z_[p];
+    return dx * dx + dy * dy + dz * dz < reach * reach ? std::max(level.weight_[q], 0.0) : 0.0;
   };
   double sum = 0;
-  for (std::size_t q = p - std::min(p, kAskedFirst); q < std::min(p + kAskedFirst, x_.size()); ++q)
-    sum += share(q);
+  for (std::size_t q = p - std::min(p, kAskedFirst); q < std::min(p + kAskedFirst, of.x_.size()); ++q)
+    sum += share(of, q);
   if (sum >= threshold_) return true;
   sum = 0;
-  grid_.ranges_near(Vec3(x_[p], y_[p], z_[p]), source_[p].sigma + largest_sigma_,
-                    [&](std::uint32_t begin, std::uint32_t end) {
-                      for (std::size_t q = begin; q < end && sum < threshold_; ++q) sum += share(q);
-                    });
+  for_each_level([&](const ParticleField& level) {
+    level.grid_.ranges_near(Vec3(of.x_[p], of.y_[p], of.z_[p]), of.source_[p].sigma + level.largest_sigma_,
+                            [&](std::uint32_t begin, std::uint32_t end) {
+                              for (std::size_t q = begin; q < end && sum < threshold_; ++q)
+                                sum += share(level, q);
+                            });
+  });
   return sum >= threshold_;
 }
 
 std::optional<std::vector<std::array<int, 3>>> ParticleField::occupied_cubes(const SampledField& lattice,
                                                                              int cells) const {
-  std::vector<char> counts(x_.size());
-  parallel_for(counts.size(), [&](std::size_t p) { counts[p] = may_have_surface(p); });
   LatticeCubes cubes(lattice, cells);
-  for (std::size_t p = 0; p < x_.size(); ++p)
-    if (counts[p]) cubes.add(Vec3(x_[p], y_[p], z_[p]), Vec3::Constant(source_[p].sigma));
+  for_each_level([&](const ParticleField& level) {
+    std::vector<char> counts(level.x_.size());
+    parallel_for(counts.size(), [&](std::size_t p) { counts[p] = may_have_surface(level, p); });
+    for (std::size_t p = 0; p < counts.size(); ++p)
+      if (counts[p])
+        cubes.add(Vec3(level.x_[p], level.y_[p], level.z_[p]), Vec3::Constant(level.source_[p].sigma));
+  });
   return std::move(cubes).ascending();
 }
 
@@ -246,15 +276,18 @@ void ParticleField::sample(SampledField& samples) const {
              middle = samples.origin +
                       samples.spacing * Vec3(samples.first_column, samples.first_row, samples.first_plane) +
                       half;
-  const double reach = half.maxCoeff() + largest_sigma_;
   const auto fill_slab = [&](std::size_t s) {
     FieldSlab slab(samples, static_cast<int>(s));
-    grid_.ranges_near(middle, reach, [&](std::uint32_t begin, std::uint32_t end) {
-      for (std::uint32_t p = begin; p < end; ++p) {
-        const Vec3 centre = inverse_spacing * (Vec3(x_[p], y_[p], z_[p]) - samples.origin);
-        const double sigma = source_[p].sigma * inverse_spacing;
-        if (slab.reached(centre[2], sigma)) slab.add(centre, sigma, weight_[p]);
-      }
+    for_each_level([&](const ParticleField& level) {
+      level.grid_.ranges_near(
+          middle, half.maxCoeff() + level.largest_sigma_, [&](std::uint32_t begin, std::uint32_t end) {
+            for (std::uint32_t p = begin; p < end; ++p) {
+              const Vec3 centre =
+                  inverse_spacing * (Vec3(level.x_[p], level.y_[p], level.z_[p]) - samples.origin);
+              const double sigma = level.source_[p].sigma * inverse_spacing;
+              if (slab.reached(centre[2], sigma)) slab.add(centre, sigma, level.weight_[p]);
+            }
+          });
     });
     slab.write(threshold_, samples.value);
   };

@@ -1,6 +1,7 @@
 // The field of Eq. 12: f(x,t) = sum_i w_i (1 - |x - x_i|^2/sigma^2)^3 - T over particles within sigma.
 #pragma once
 
+#include <memory>
 #include <span>
 
 #include "core/cell_grid.h"
@@ -60,14 +61,26 @@ class ParticleField final : public Field {
     double sigma, weight_rate;
   };
 
+  /// Of those particles of which `kept` has the indices.
+  ParticleField(const FieldParticles& particles, std::span<const std::uint32_t> kept, double threshold,
+                double time);
   void set_particles(const FieldParticles& particles, std::span<const std::uint32_t> kept);
-  bool may_have_surface(std::size_t p) const;
+  void sort_by_cell(const FieldParticles& particles, std::span<const std::uint32_t> kept);
+  /// Calls visit(field) for this one and the coarser ones.
+  template <class Visit>
+  void for_each_level(const Visit& visit) const {
+    for (const ParticleField* level = this; level != nullptr; level = level->coarser_.get()) visit(*level);
+  }
+  bool may_have_surface(const ParticleField& level, std::size_t p) const;
   template <class Consume>
   void visit_hits(const Vec3& x, const Consume& consume) const;
   std::size_t collect_hits(const Vec3& x, std::uint32_t begin, std::uint32_t end, std::uint32_t* hit,
                            std::size_t count) const;
   void load_hits(const Vec3& x, std::span<const std::uint32_t> indices, ParticleHits& hits) const;
 
+  /// The particles whose sigma is twice the smallest or more: few, and cells as large as they are would make
+  /// the search for the others slow.
+  std::unique_ptr<const ParticleField> coarser_;
   CellGrid grid_;
   // All in the grid's cell order. value_and_gradient() reads the first five only.
   std::vector<double> x_, y_, z_, inverse_sigma2_, weight_;

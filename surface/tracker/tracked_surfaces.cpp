@@ -17,8 +17,7 @@
 namespace kappaflow {
 namespace {
 
-constexpr double kShareOfFast = 0.999;  // a few that fly off do not set the number of steps
-constexpr int kMostSteps = 1000000;     // from one instant to the next
+constexpr int kMostSteps = 1000000;  // from one instant to the next
 
 /// Particles without velocities say nothing about how fast their surface may be: it is what the motion of a
 /// cloud allows.
@@ -117,9 +116,10 @@ ParticleMotion TrackedSurfaces::motion_to(const Particles& next) const {
   return {particles_, next, options, shapes_};
 }
 
-int TrackedSurfaces::steps_to(const Particles& next) const {
+int TrackedSurfaces::steps_to(const Particles& next, double speed) const {
   if (motion_per_step_ == kInfinity) return 1;
-  const double speed = std::max({fast_speed(particles_), fast_speed(next), cloud_speed_to(next)});
+  if (speed == 0) speed = std::max(fast_speed(particles_), fast_speed(next));
+  speed = std::max(speed, cloud_speed_to(next));
   const double steps = speed * (next.time - particles_.time) / (motion_per_step_ * field_options_.sigma);
   if (!(steps <= kMostSteps))
     throw InvalidInput(
@@ -129,13 +129,22 @@ int TrackedSurfaces::steps_to(const Particles& next) const {
   return whole_within(std::ceil(steps), 1, kMostSteps);
 }
 
-bool TrackedSurfaces::step(Particles next, const Watch& watch) {
+bool TrackedSurfaces::step(Particles next, const Watch& watch, double speed) {
   ParticleMotion motion = motion_to(next);
-  if (!step_through(motion, steps_to(next), watch)) return false;
+  if (!step_through(motion, steps_to(next, speed), watch)) return false;
   particles_ = std::move(next);
   shapes_ = motion.shapes_t1();
   if (origins_) origins_->see(particles_);
   return true;
+}
+
+void TrackedSurfaces::go_on_with(Particles particles) {
+  check_particles(particles);
+  if (particles.time != particles_.time)
+    throw InvalidInput(
+        fmt::format("particles at {} s in place of those at {} s", particles.time, particles_.time));
+  particles_ = std::move(particles);
+  shapes_ = nullptr;  // are of the others
 }
 
 void TrackedSurfaces::settle(std::span<const int> source, bool anew) {

@@ -19,7 +19,9 @@ namespace kappaflow {
 ParticleFieldOptions field_options(const SurfaceOptions& options, std::span<const Vec3> first,
                                    std::span<const double> scale = {});
 
-/// The speed that all but a few particles stay below [m/s]: what limits the length of a step.
+/// A few that fly off do not set the number of steps.
+inline constexpr double kShareOfFast = 0.999;
+/// The speed that so many particles stay below [m/s]: what limits the length of a step.
 double fast_speed(const Particles& particles);
 
 /// Follows the surface of particles through time, by one method or by several side by side.
@@ -35,18 +37,24 @@ class TrackedSurfaces : public SurfaceGroup {
   TrackedSurfaces(Particles first, const Particles& next, const SurfaceOptions& options = {});
 
   /// Moves the surfaces to the next particles, paired with the last ones by id, in as many steps as
-  /// steps_to() says. Returns false when `watch` stopped it before the last of them; the surfaces have then
-  /// reached an instant in between and can go no further. Throws InvalidInput when `next` is not sound or not
-  /// later, and what the velocity methods throw.
-  bool step(Particles next, const Watch& watch = {});
+  /// steps_to() says for them and the speed. Returns false when `watch` stopped it before the last of them;
+  /// the surfaces have then reached an instant in between and can go no further. Throws InvalidInput when
+  /// `next` is not sound or not later, and what the velocity methods throw.
+  bool step(Particles next, const Watch& watch = {}, double speed = 0);
   /// Makes the surfaces ready to be shown, see SurfaceTracker::settle(), FreshSurface and find_sources():
   /// before every frame.
   void settle(std::span<const int> source = {}, bool anew = false);
   /// step() and settle(): from frame to frame.
   void advance(Particles next, std::span<const int> source = {});
 
-  /// In how many steps step() goes to the next particles. Throws InvalidInput where they would never end.
-  int steps_to(const Particles& next) const;
+  /// From here on follows these particles in place of those at the same instant: others of the same liquid,
+  /// whose field is the same near the surface. Throws InvalidInput where they are of another instant.
+  void go_on_with(Particles particles);
+
+  /// In how many steps step() goes to the next particles. speed: fast_speed() of now's and the next ones'
+  /// where not all of the liquid's are among these [m/s]; 0: that of these. Throws InvalidInput where they
+  /// would never end.
+  int steps_to(const Particles& next, double speed = 0) const;
 
   double time() const { return particles_.time; }            ///< [s]
   const Particles& particles() const { return particles_; }  ///< at that time

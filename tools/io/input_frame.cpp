@@ -334,6 +334,7 @@ InputFrame read_input_frame(std::span<const fs::path> files) {
   // With a number that is not finite it is something else, or not known everywhere.
   if (!std::ranges::all_of(frame.temperature, [](float t) { return std::isfinite(t); }))
     frame.temperature.clear();
+  frame.all = frame.position.size();
   return frame;
 }
 

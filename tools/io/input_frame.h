@@ -13,6 +13,17 @@
 
 namespace kappaflow {
 
+/// Where in the liquid a particle is, by its distance from where the field of Eq. 12 falls below three
+/// quarters of what it is inside [sigma], along the axis in which that is largest. See LiquidDepth.
+enum class Zone : std::uint8_t {
+  surface,  ///< up to 1.5
+  middle,   ///< up to 2.5
+  inner,    ///< up to 4.5
+  deep,     ///< up to 7.5, and stands for those in a cube of a sigma
+  deepest,  ///< stands for those in a cube of two sigma
+  passing,  ///< in the depth, and is there because the frame before has it
+};
+
 /// One entry a particle in every array, in the file's order; arrays that the file lacks are empty.
 struct InputFrame {
   std::vector<Vec3> position;                       ///< [m], finite
@@ -25,6 +36,9 @@ struct InputFrame {
   std::vector<double> radius;                       ///< of each particle, > 0, by any measure
   std::optional<double> time;                       ///< [s], where the file says it
   std::string id_name, velocity_name, radius_name;  ///< what the file calls them; empty where it lacks them
+  std::vector<Zone> zone;    ///< where not all particles are kept, see read_near_surface(); else empty
+  std::size_t all = 0;       ///< particles of which these are kept
+  double fast_speed = 0;     ///< fast_speed() of them, where only some are kept [m/s]
   std::size_t left_out = 0;  ///< particles of walls, and copies that belong to other processors
 };
 

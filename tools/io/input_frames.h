@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <map>
+#include <vector>
 
 #include "tools/io/file_series.h"
 #include "tools/io/input_frame.h"
@@ -15,7 +17,8 @@ namespace kappaflow {
 class InputFrames {
  public:
   static constexpr std::size_t kMostBytes = std::size_t{512} << 20;
-  static constexpr std::size_t kWindow = 3;
+  static constexpr std::size_t kWindow = 3;      // for velocities that are estimated
+  static constexpr std::size_t kNearWindow = 2;  // of particles near the surface
 
   /// Where the series is backward velocities have the other sign than in the files. limit: for the frames
   /// that stay [bytes].
@@ -23,11 +26,19 @@ class InputFrames {
 
   const FileSeries& series() const { return series_; }
 
+  /// From now on only particles near the surface are kept, see read_near_surface(). sigma: support radius of
+  /// the field [m].
+  void keep_near_surface(double sigma) { sigma_ = sigma; }
+
   /// The frame, valid until kWindow others have been asked for. Throws what read_input_frame() throws.
   const InputFrame& operator[](std::size_t frame);
 
  private:
+  InputFrame read(std::size_t frame);
+  std::vector<std::int64_t> ids_before(std::size_t frame);
+
   FileSeries series_;
+  double sigma_ = 0;                        // 0: all particles are kept
   std::size_t room_;                        // left for frames that stay [bytes]
   std::map<std::size_t, InputFrame> kept_;  // for good
   std::map<std::size_t, InputFrame> last_;  // those read last, at most kWindow

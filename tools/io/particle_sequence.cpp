@@ -8,6 +8,7 @@
 #include <iterator>
 #include <numeric>
 #include <span>
+#include <system_error>
 #include <tuple>
 #include <utility>
 
@@ -16,6 +17,8 @@
 #include "core/quantile.h"
 #include "core/text_hash.h"
 #include "tools/io/frame_times.h"
+#include "tools/io/near_surface.h"
+#include "tools/io/parallel_vtk.h"
 
 namespace kappaflow {
 namespace {
@@ -136,13 +139,14 @@ struct Survey {
 
   FrameTimes times;
   std::vector<std::size_t> particles;
+  std::vector<double> fast_speed;
   Displacements displacements;
   std::string repeated;    // where an id is used twice; empty: nowhere
   std::string wrong_ids;   // where ids do not follow the particles; empty: nowhere
   std::string coincident;  // where particles are in the places of others; empty: nowhere
   std::string id_name, velocity_name, radius_name;
   double radius = 0, smallest = 0, largest = 0;  // median of the first frame; range over all
-  std::size_t left_out = 0;
+  std::size_t left_out = 0, kept = 0;
   TextHash hash;
 
   void add_radii(std::vector<double> radii) {
@@ -158,6 +162,7 @@ void add_to(TextHash& hash, const InputFrame& frame) {
   const double time = frame.time.value_or(0);
   hash.add_values(std::span(&time, 1));
   hash.add_values(std::span(frame.position));
+  if (!frame.zone.empty()) hash.add_values(std::span(&frame.all, 1));
   hash.add_values(std::span(frame.id));
   hash.add_values(std::span(frame.velocity));
   hash.add_values(std::span(frame.density));
@@ -212,7 +217,9 @@ Survey survey(InputFrames& frames, const FileSeries& series,
       if (!frame.velocity.empty()) found.displacements.add(before, frame, pairs);
       if (found.wrong_ids.empty()) found.wrong_ids = wrong_ids(before, frame, pairs, files[k - 1], file);
     }
-    found.particles.push_back(frame.position.size());
+    found.particles.push_back(frame.all);
+    found.kept += frame.position.size();
+    found.fast_speed.push_back(frame.fast_speed);
     found.left_out += frame.left_out;
     add_to(found.hash, frame);
   }
@@ -301,8 +308,10 @@ Coincidence coincident_particles(std::span<const Vec3> position) {
 }
 
 ParticleSequence::ParticleSequence(FileSeries series, std::optional<double> frames_per_second,
-                                   const std::function<void(std::size_t file)>& watch)
+                                   const std::function<void(std::size_t file)>& watch,
+                                   const ParticleChoice& choice)
     : series_(std::move(series)), inputs_(series_) {
+  if (!choice.all) choose(choice);
   const Survey found = survey(inputs_, series_, watch);
   found.times.check_gap();
   hash_ = found.hash.text();
@@ -311,10 +320,15 @@ ParticleSequence::ParticleSequence(FileSeries series, std::optional<double> fram
   using enum Velocity;
   velocity_ = !found.velocity_name.empty() ? given : matched_ ? estimated : unknown;
   radius_ = found.smallest < found.largest ? found.radius : 0;
+  particles_ = found.particles;
+  fast_speed_ = found.fast_speed;
   first_id_.resize(size());
-  std::exclusive_scan(found.particles.begin(), found.particles.end(), first_id_.begin(), std::size_t{0});
+  std::exclusive_scan(particles_.begin(), particles_.end(), first_id_.begin(), std::size_t{0});
 
-  notes_ = array_notes(found, velocity_);
+  std::ranges::move(array_notes(found, velocity_), std::back_inserter(notes_));
+  if (!keeps_all_)
+    notes_.push_back(fmt::format(
+        "{} particles a frame are near the surface, or stand for others in the depth", found.kept / size()));
   const double mean_rate = static_cast<double>(size() - 1) / (time_.back() - time_.front());
   std::ranges::move(found.times.notes(frames_per_second), std::back_inserter(notes_));
   if (!found.coincident.empty()) notes_.push_back(found.coincident);
@@ -324,11 +338,67 @@ ParticleSequence::ParticleSequence(FileSeries series, std::optional<double> fram
     notes_.push_back(*note);
 }
 
+/// Decides from the first and the last frame.
+void ParticleSequence::choose(const ParticleChoice& choice) {
+  constexpr std::size_t kLeastBytes = 4;  // of a particle in a file
+  for (const std::size_t k : {std::size_t{0}, size() - 1}) {
+    const auto files = series_.files_of(k);
+    std::uintmax_t bytes = 0;
+    for (const fs::path& file : files)
+      for (const fs::path& piece : pieces_of(file)) {
+        std::error_code ignored;  // who reads it says what is wrong
+        const std::uintmax_t size = fs::file_size(piece, ignored);
+        bytes += ignored ? 0 : size;
+      }
+    if (bytes / kLeastBytes <= choice.many) continue;
+    const FrameContent content = content_of(files);
+    if (content.particles <= choice.many) continue;
+    if (content.has_several_radii || (content.has_ids && !content.has_velocities)) {
+      notes_.push_back(
+          fmt::format("all particles are kept, also in the depth: they {}",
+                      content.has_several_radii ? "have several radii" : "have ids and no velocities"));
+      return;
+    }
+    keeps_all_ = false;
+  }
+  if (!keeps_all_)
+    inputs_.keep_near_surface(choice.sigma ? *choice.sigma : 2 * rough_spacing(series_.files_of(0)));
+}
+
 ParticleFrame ParticleSequence::frame(std::size_t frame) {
   const InputFrame& now = inputs_[frame];
   std::vector<std::size_t> order(now.position.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   if (matched_) order = order_by_id(now.id);
+  if (!keeps_all_) std::erase_if(order, [&](std::size_t i) { return now.zone[i] == Zone::passing; });
+  return frame_of(frame, order);
+}
+
+Particles ParticleSequence::arrival(std::size_t frame, std::span<const std::int64_t> before) {
+  if (!matched_) return this->frame(frame).particles;
+  const InputFrame& now = inputs_[frame];
+  std::vector<std::size_t> order = order_by_id(now.id);
+  std::erase_if(order, [&](std::size_t i) {
+    return now.zone[i] > Zone::middle && !std::ranges::binary_search(before, now.id[i]);
+  });
+  return frame_of(frame, order).particles;
+}
+
+std::pair<std::vector<Vec3>, std::vector<std::uint32_t>> ParticleSequence::inside() {
+  const InputFrame& first = inputs_[0];
+  std::vector<Vec3> position;
+  std::vector<std::uint32_t> middle;
+  for (std::size_t i = 0; i < first.position.size(); ++i) {
+    if (first.zone[i] > Zone::inner) continue;
+    if (first.zone[i] == Zone::middle) middle.push_back(static_cast<std::uint32_t>(position.size()));
+    position.push_back(first.position[i]);
+  }
+  return {std::move(position), std::move(middle)};
+}
+
+/// Of the particles of these indices.
+ParticleFrame ParticleSequence::frame_of(std::size_t frame, std::span<const std::size_t> order) {
+  const InputFrame& now = inputs_[frame];
   ParticleFrame result{{time(frame), {}, ordered(now.position, order), ordered(now.velocity, order)},
                        ordered(now.density, order),
                        ordered(now.pressure, order),
@@ -337,6 +407,10 @@ ParticleFrame ParticleSequence::frame(std::size_t frame) {
   Particles& particles = result.particles;
   if (radius_ > 0)
     for (const std::size_t i : order) particles.scale.push_back(now.radius[i] / radius_);
+  if (!keeps_all_) {
+    particles.scale.resize(order.size(), 1);
+    for (std::size_t k = 0; k < order.size(); ++k) particles.scale[k] *= scale_of(now.zone[order[k]]);
+  }
   particles.id = ordered(now.id, order);
   if (!matched_) {
     particles.id.resize(order.size());

@@ -49,12 +49,21 @@ void require_ids(const SurfaceDescription& surface, const ParticleSequence& sequ
                                  is_anchored ? "--anchor particles" : "the method \"fresh-particles\""));
 }
 
+/// Textures that come from the particles ask where each was first, and anisotropic kernels look far.
+ParticleChoice choice_for(const TrackOptions& options) {
+  return {.all = options.kernels != Kernels::round || options.anchor == Anchor::particles ||
+                 std::ranges::count(options.methods, "fresh-particles") > 0,
+          .many = options.many_particles,
+          .sigma = options.sigma};
+}
+
 class ParticleInput final : public TrackInput {
  public:
   ParticleInput(const FileSeries& series, const TrackOptions& options, const FileWatch& watch)
-      : sequence_(series, options.frames_per_second, watch) {
+      : sequence_(series, options.frames_per_second, watch, choice_for(options)) {
     const Particles first = sequence_.frame(0).particles;
     set_surface(options, first);
+    if (!sequence_.keeps_all() && !options.threshold) surface_.threshold = threshold_inside();
     field_ = field_options(surface_, first.position, first.scale);
     surface_.edge_length = edge_length_in(field_.sigma, options);
   }
@@ -75,17 +84,22 @@ class ParticleInput final : public TrackInput {
 
  private:
   void set_surface(const TrackOptions& options, const Particles& first);
+  double spacing_inside();
+  double threshold_inside();
 
   ParticleSequence sequence_;
   SurfaceDescription surface_;
   ParticleFieldOptions field_;
+  bool threshold_given_ = false;
   double spacing_ = 0;  // measured [m]; 0 where sigma is given
 };
 
 void ParticleInput::set_surface(const TrackOptions& options, const Particles& first) {
   surface_.sigma = options.sigma.value_or(usual_sigma(options.kernels));
-  if (!options.sigma) spacing_ = measured_spacing(sequence_, first);
+  if (!options.sigma)
+    spacing_ = sequence_.keeps_all() ? measured_spacing(sequence_, first) : spacing_inside();
   surface_.threshold = options.threshold;
+  threshold_given_ = options.threshold.has_value();
   surface_.weights = options.weights;
   surface_.kernels = options.kernels;
   const bool is_cloud = sequence_.velocity() == ParticleSequence::Velocity::unknown;
@@ -98,6 +112,19 @@ void ParticleInput::set_surface(const TrackOptions& options, const Particles& fi
   surface_.is_cloud = is_cloud;
   surface_.velocities = surface_methods_named(surface_.methods);
   surface_.name = sequence_.name();
+}
+
+/// Where particles of the depth are left out those count that are a little way in.
+double ParticleInput::spacing_inside() {
+  const auto [position, counted] = sequence_.inside();
+  return particle_spacing(position, {}, counted);
+}
+
+double ParticleInput::threshold_inside() {
+  const auto [position, counted] = sequence_.inside();
+  const double sigma = surface_.sigma * *surface_.spacing;
+  return half_median_threshold(position, field_weights(position, sigma, surface_.weights), sigma, {},
+                               counted);
 }
 
 /// A point cloud's surface must not move too far between two frames.
@@ -119,7 +146,7 @@ std::string ParticleInput::setup_text() const {
                                               spacing_, field_.sigma, surface_.sigma)
                                 : fmt::format("sigma {:.6g} m (given)", field_.sigma);
   return fmt::format("  {}, threshold {:.6g} ({})\n", sigma, field_.threshold,
-                     surface_.threshold ? "given" : "half the field's median at the particles");
+                     threshold_given_ ? "given" : "half the field's median at the particles");
 }
 
 /// A line where many particles have no surface: in a spray, or where a body is coarser than the others.
@@ -128,7 +155,7 @@ std::string ParticleInput::warning(const FrameSource& frames) const {
   const std::vector<Vec3>& position =
       static_cast<const SequenceFrames&>(frames).surfaces().particles().position;
   const double share = static_cast<double>(points_outside(frames.surfaces().field(), position)) /
-                       static_cast<double>(position.size());
+                       static_cast<double>(sequence_.particles_in(0));
   if (share < kWorthSaying) return {};
   return fmt::format(
       "  {:.0f} % of the particles are outside the surface in the first frame: too far from others for this "

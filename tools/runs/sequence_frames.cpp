@@ -8,11 +8,20 @@
 #include "tools/runs/surface_temperature.h"
 
 namespace kappaflow {
+namespace {
+
+/// The particles of a frame that those of the frame before it go on to.
+Particles arrival(ParticleSequence& sequence, int frame, const Particles& before) {
+  const auto k = static_cast<std::size_t>(frame);
+  return sequence.keeps_all() ? sequence.frame(k).particles : sequence.arrival(k, before.id);
+}
+
+}  // namespace
 
 SequenceFrames::SequenceFrames(ParticleSequence& sequence, const SurfaceOptions& options, bool with_tracers)
     : sequence_(sequence),
       now_(sequence.frame(0)),
-      surfaces_(now_.particles, sequence.frame(1).particles, options),
+      surfaces_(now_.particles, arrival(sequence, 1, now_.particles), options),
       tracers_(with_tracers ? std::span<const Vec3>(surfaces_.mesh().position) : std::span<const Vec3>()),
       time_(sequence.time(0)),
       has_temperatures_(!now_.temperature.empty()) {
@@ -23,18 +32,24 @@ SequenceFrames::SequenceFrames(ParticleSequence& sequence, const SurfaceOptions&
 void SequenceFrames::prepare(int frame) {
   next_ = sequence_.frame(frame);
   prepared_for_ = frame;
-  steps_to_next_ = surfaces_.steps_to(next_.particles);
+  arrival_ = arrival(sequence_, frame, surfaces_.particles());
+  speed_to_next_ = sequence_.keeps_all() ? 0 : sequence_.fast_speed_to(static_cast<std::size_t>(frame));
+  steps_to_next_ = surfaces_.steps_to(arrival_, speed_to_next_);
 }
 
 bool SequenceFrames::advance(int /*frame*/, const Watch& watch) {
   const std::string detail = fmt::format("{} steps a frame", steps_to_next_);
-  const bool arrived = surfaces_.step(next_.particles, [&](FieldMotion& step) {
-    tracer_seconds_ += seconds_of([&] { tracers_.step(step); });
-    time_ = step.t1();
-    ++steps_;
-    return watch(detail);
-  });
+  const bool arrived = surfaces_.step(
+      std::move(arrival_),
+      [&](FieldMotion& step) {
+        tracer_seconds_ += seconds_of([&] { tracers_.step(step); });
+        time_ = step.t1();
+        ++steps_;
+        return watch(detail);
+      },
+      speed_to_next_);
   if (!arrived) return false;
+  if (!sequence_.keeps_all()) surfaces_.go_on_with(next_.particles);
   surfaces_.settle(next_.source);
   now_ = std::move(next_);
   return true;
@@ -44,7 +59,7 @@ FrameReport SequenceFrames::take_report(int frame) {
   FrameReport report;
   report.metrics.frame = frame;
   report.metrics.time = time_of(frame);
-  report.metrics.particles = now_.particles.size();
+  report.metrics.particles = sequence_.particles_in(static_cast<std::size_t>(frame));
   report.particles = now_;
   if (has_temperatures_) set_temperatures(now_, surfaces_, report.metrics);
   report.steps = surfaces_.take_report();

@@ -14,6 +14,7 @@
 #include "surface/tracker/surface_methods.h"
 #include "tools/io/file_series.h"
 #include "tools/io/mesh_formats.h"
+#include "tools/io/particle_sequence.h"
 
 namespace kappaflow {
 
@@ -30,7 +31,9 @@ struct TrackOptions {
   std::optional<double> threshold;  ///< T of Eq. 12; empty: half the median of the field at the particles
   WeightRule weights = WeightRule::uniform;
   Kernels kernels = Kernels::round;
-  std::optional<double> edge_length;   ///< of the mesh where it is flat [m]; empty: a quarter of sigma
+  std::optional<double> edge_length;  ///< of the mesh where it is flat [m]; empty: a quarter of sigma
+  std::size_t many_particles =
+      ParticleChoice::kMany;           ///< in larger frames only those near the surface are kept
   std::optional<double> checker_edge;  ///< of the checker's cubes [m]; empty: OutputDescription's
   TextureProjection texture = TextureProjection::box;
   Anchor anchor = Anchor::none;     ///< see SurfaceOptions
@@ -45,8 +48,8 @@ struct TrackOptions {
   /// See core/saved_state.h: what a resumed run takes over.
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(range, methods, frames_per_second, sigma, threshold, weights, kernels, edge_length, checker_edge,
-            texture, anchor, rest_interval, metrics_interval, formats);
+    archive(range, methods, frames_per_second, sigma, threshold, weights, kernels, edge_length,
+            many_particles, checker_edge, texture, anchor, rest_interval, metrics_interval, formats);
   }
 };
 

@@ -1,0 +1,200 @@
+#include "tools/io/liquid_depth.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/bytes.h"
+#include "core/parallel.h"
+
+namespace kappaflow {
+namespace {
+
+constexpr double kFull = 0.75;                             // of the sum inside: less is taken for surface
+constexpr std::array kWidths{3, 2, 4, 6};                  // of the zones but the last [steps]
+constexpr std::int64_t kFarthest = std::int64_t{1} << 20;  // from the origin: keys have 21 bits an axis
+
+std::int64_t block_with(std::int64_t node) {
+  return node >> 3;
+}
+
+/// Along its edge.
+int cube_nodes(Zone zone) {
+  return zone == Zone::deepest ? 4 : 2;
+}
+
+}  // namespace
+
+std::uint64_t LiquidDepth::key_of(const Node& block) {
+  std::uint64_t key = 0;
+  for (const std::int64_t b : block) key = key << 21 | static_cast<std::uint64_t>(b + kFarthest);
+  return key;
+}
+
+LiquidDepth::Node LiquidDepth::node_at(const Vec3& x) const {
+  SpaceCell node = space_cell(x + Vec3::Constant(0.5 * step_), step_);
+  for (std::int64_t& n : node) n = std::clamp(n, -2 * kFarthest + 8, 2 * kFarthest - 9);
+  return node;
+}
+
+std::array<float, LiquidDepth::kNodes>& LiquidDepth::sums_of(const Node& block) {
+  const auto [at, is_new] = block_of_.try_emplace(key_of(block), static_cast<std::uint32_t>(block_.size()));
+  if (is_new) {
+    block_.push_back(block);
+    sums_.emplace_back().fill(0);
+  }
+  return sums_[at->second];
+}
+
+void LiquidDepth::add(std::span<const Vec3> position) {
+  constexpr int kReach = 2;  // steps: a sigma
+  for (const Vec3& x : position) {
+    const Node centre = node_at(x);
+    const Vec3 offset = x / step_ - Vec3(static_cast<double>(centre[0]), static_cast<double>(centre[1]),
+                                         static_cast<double>(centre[2]));
+    Node first, last;
+    for (int a = 0; a < 3; ++a) {
+      first[a] = block_with(centre[a] - kReach);
+      last[a] = block_with(centre[a] + kReach);
+    }
+    const auto nodes = [&](std::int64_t block, int a, const auto& visit) {
+      const std::int64_t begin = std::max(block * kSide, centre[a] - kReach),
+                         end = std::min(block * kSide + kSide - 1, centre[a] + kReach);
+      for (std::int64_t n = begin; n <= end; ++n) {
+        const double d = static_cast<double>(n - centre[a]) - offset[a];
+        visit(static_cast<std::size_t>(n - block * kSide), 0.25 * d * d);
+      }
+    };
+    for (Node b{0, 0, first[2]}; b[2] <= last[2]; ++b[2])
+      for (b[1] = first[1]; b[1] <= last[1]; ++b[1])
+        for (b[0] = first[0]; b[0] <= last[0]; ++b[0]) {
+          std::array<float, kNodes>& sums = sums_of(b);
+          nodes(b[2], 2, [&](std::size_t k, double z2) {
+            nodes(b[1], 1, [&](std::size_t j, double y2) {
+              nodes(b[0], 0, [&](std::size_t i, double x2) {
+                const double u = std::max(0.0, 1 - x2 - y2 - z2);
+                sums[(k * kSide + j) * kSide + i] += static_cast<float>(u * u * u);
+              });
+            });
+          });
+        }
+  }
+}
+
+/// That of which there are most nodes among those above a sum that only the inside has.
+void LiquidDepth::find_inside() {
+  constexpr double kBin = 0.05, kLeast = 1.5, kMost = 60;
+  std::vector<std::size_t> count(static_cast<std::size_t>(kMost / kBin) + 1);
+  std::size_t all = 0;
+  for (const auto& sums : sums_)
+    for (const float sum : sums)
+      if (static_cast<double>(sum) > kLeast) {
+        ++count[static_cast<std::size_t>(std::min(static_cast<double>(sum), kMost) / kBin)];
+        ++all;
+      }
+  std::size_t bin = 0;
+  for (std::size_t below = count[0]; 2 * below < all; below += count[bin]) ++bin;
+  inside_ = kBin * (static_cast<double>(bin) + 0.5);
+}
+
+/// Marks the nodes that have a marked one within so many along the axis. Outside of all blocks each is.
+void LiquidDepth::dilate(int axis, int radius, const std::vector<Marks>& from, std::vector<Marks>& to) const {
+  constexpr int kLine = 3 * kSide;
+  const std::size_t stride = axis == 0 ? 1 : axis == 1 ? kSide : kSide * kSide;
+  parallel_for(block_.size(), [&](std::size_t b) {
+    std::array<const Marks*, 3> along{};
+    for (int n = -1; n <= 1; ++n) {
+      Node block = block_[b];
+      block[axis] += n;
+      if (const auto found = block_of_.find(key_of(block)); found != block_of_.end())
+        along[n + 1] = &from[found->second];
+    }
+    for (std::size_t row = 0; row < kSide * kSide; ++row) {
+      const std::size_t begin = axis == 0   ? row * kSide
+                                : axis == 1 ? row / kSide * kSide * kSide + row % kSide
+                                            : row;
+      std::array<int, kLine + 1> before{};  // how many of the line before each node are marked
+      for (int n = 0; n < kLine; ++n) {
+        const Marks* marks = along[n / kSide];
+        const std::size_t at = begin + static_cast<std::size_t>(n % kSide) * stride;
+        before[n + 1] = before[n] + (marks == nullptr || (*marks)[at] != 0);
+      }
+      for (int n = 0; n < kSide; ++n)
+        to[b][begin + static_cast<std::size_t>(n) * stride] =
+            before[kSide + n + radius + 1] > before[kSide + n - radius];
+    }
+  });
+}
+
+void LiquidDepth::measure() {
+  find_inside();
+  const std::size_t blocks = block_.size();
+  std::vector<Marks> near(blocks), next(blocks);
+  parallel_for(blocks, [&](std::size_t b) {
+    for (std::size_t n = 0; n < kNodes; ++n) near[b][n] = static_cast<double>(sums_[b][n]) < kFull * inside_;
+  });
+  sums_ = std::deque<std::array<float, kNodes>>();
+  zones_.resize(blocks);
+  for (Marks& zones : zones_) zones.fill(static_cast<std::uint8_t>(Zone::deepest));
+  for (std::size_t z = 0; z < kWidths.size(); ++z) {
+    dilate(0, kWidths[z], near, next);
+    dilate(1, kWidths[z], next, near);
+    dilate(2, kWidths[z], near, next);
+    near.swap(next);
+    parallel_for(blocks, [&](std::size_t b) {
+      for (std::size_t n = 0; n < kNodes; ++n)
+        if (near[b][n] != 0) zones_[b][n] = std::min(zones_[b][n], static_cast<std::uint8_t>(z));
+    });
+  }
+  parallel_for(blocks, [&](std::size_t b) { fit_to_cubes(zones_[b]); });
+}
+
+/// Cubes that are not of a zone as a whole are of the one above.
+void LiquidDepth::fit_to_cubes(Marks& zones) {
+  for (const Zone zone : {Zone::deepest, Zone::deep}) {
+    const int side = cube_nodes(zone), cubes = kSide / side;
+    const auto least = static_cast<std::uint8_t>(zone), above = static_cast<std::uint8_t>(least - 1);
+    for (int cube = 0; cube < cubes * cubes * cubes; ++cube) {
+      const int x = cube % cubes * side, y = cube / cubes % cubes * side, z = cube / cubes / cubes * side;
+      const auto for_each_node = [&](const auto& visit) {
+        for (int k = z; k < z + side; ++k)
+          for (int j = y; j < y + side; ++j)
+            for (int i = x; i < x + side; ++i)
+              visit(zones[static_cast<std::size_t>((k * kSide + j) * kSide + i)]);
+      };
+      bool whole = true;
+      for_each_node([&](std::uint8_t of_node) { whole = whole && of_node >= least; });
+      if (!whole) for_each_node([&](std::uint8_t& of_node) { of_node = std::min(of_node, above); });
+    }
+  }
+}
+
+Zone LiquidDepth::zone(const Vec3& x) const {
+  const Node node = node_at(x);
+  const Node block{block_with(node[0]), block_with(node[1]), block_with(node[2])};
+  const auto found = block_of_.find(key_of(block));
+  if (found == block_of_.end()) return Zone::surface;
+  const auto in_block = [&](int a) { return static_cast<std::size_t>(node[a] - block[a] * kSide); };
+  return static_cast<Zone>(zones_[found->second][(in_block(2) * kSide + in_block(1)) * kSide + in_block(0)]);
+}
+
+std::uint64_t LiquidDepth::cube(const Vec3& x, Zone zone) const {
+  Node cube = node_at(x);
+  for (std::int64_t& c : cube) c >>= zone == Zone::deepest ? 2 : 1;
+  return key_of(cube) << 1 | (zone == Zone::deepest ? 1 : 0);
+}
+
+double LiquidDepth::squared_distance_from_middle(const Vec3& x, Zone zone) const {
+  const Node node = node_at(x);
+  const int side = cube_nodes(zone);
+  Vec3 middle;
+  for (int a = 0; a < 3; ++a)
+    middle[a] = step_ * (static_cast<double>(node[a] & ~std::int64_t{side - 1}) + 0.5 * (side - 1));
+  return (x - middle).squaredNorm();
+}
+
+std::size_t LiquidDepth::bytes() const {
+  constexpr std::size_t kHashed = 40;  // of a block: its entry in the table, by libstdc++
+  return bytes_of(block_, zones_) + sums_.size() * sizeof(sums_[0]) + kHashed * block_of_.size();
+}
+
+}  // namespace kappaflow
