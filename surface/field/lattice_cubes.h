@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <vector>
 
 #include "core/sort_unique.h"
@@ -29,6 +30,9 @@ class LatticeCubes {
       for (int j = index(1, -1); j <= index(1, 1); ++j)
         for (int i = index(0, -1); i <= index(0, 1); ++i)
           if (const std::array cube{k, j, i}; cubes_.empty() || cubes_.back() != cube) cubes_.push_back(cube);
+    if (cubes_.size() <= most_) return;
+    sort_unique(cubes_);  // boxes that overlap have most of them several times
+    most_ = std::max(most_, 2 * cubes_.size());
   }
 
   /// Each once, x y z, ascending by z, y, x.
@@ -41,7 +45,8 @@ class LatticeCubes {
  private:
   const SampledField& lattice_;
   int cells_;
-  std::vector<std::array<int, 3>> cubes_;  // z, y, x
+  std::vector<std::array<int, 3>> cubes_;    // z, y, x
+  std::size_t most_ = std::size_t{1} << 20;  // in memory before those that are there twice go
 };
 
 }  // namespace kappaflow

@@ -33,6 +33,11 @@ class InputFrames {
   /// The frame, valid until kWindow others have been asked for. Throws what read_input_frame() throws.
   const InputFrame& operator[](std::size_t frame);
 
+  /// Frames before this one are not asked for again soon: those that do not stay go.
+  void forget_before(std::size_t frame) {
+    std::erase_if(last_, [&](const auto& of_frame) { return of_frame.first < frame; });
+  }
+
  private:
   InputFrame read(std::size_t frame);
   std::vector<std::int64_t> ids_before(std::size_t frame);

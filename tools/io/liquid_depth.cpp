@@ -159,7 +159,8 @@ void LiquidDepth::fit_to_cubes(Marks& zones) {
         for (int k = z; k < z + side; ++k)
           for (int j = y; j < y + side; ++j)
             for (int i = x; i < x + side; ++i)
-              visit(zones[static_cast<std::size_t>((k * kSide + j) * kSide + i)]);
+              visit(zones[(static_cast<std::size_t>(k) * kSide + static_cast<std::size_t>(j)) * kSide +
+                          static_cast<std::size_t>(i)]);
       };
       bool whole = true;
       for_each_node([&](std::uint8_t of_node) { whole = whole && of_node >= least; });

@@ -381,6 +381,7 @@ Particles ParticleSequence::arrival(std::size_t frame, std::span<const std::int6
   std::erase_if(order, [&](std::size_t i) {
     return now.zone[i] > Zone::middle && !std::ranges::binary_search(before, now.id[i]);
   });
+  inputs_.forget_before(frame);
   return frame_of(frame, order).particles;
 }
 

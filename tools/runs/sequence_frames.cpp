@@ -11,9 +11,8 @@ namespace kappaflow {
 namespace {
 
 /// The particles of a frame that those of the frame before it go on to.
-Particles arrival(ParticleSequence& sequence, int frame, const Particles& before) {
-  const auto k = static_cast<std::size_t>(frame);
-  return sequence.keeps_all() ? sequence.frame(k).particles : sequence.arrival(k, before.id);
+Particles arrival(ParticleSequence& sequence, std::size_t frame, const Particles& before) {
+  return sequence.keeps_all() ? sequence.frame(frame).particles : sequence.arrival(frame, before.id);
 }
 
 }  // namespace
@@ -30,17 +29,18 @@ SequenceFrames::SequenceFrames(ParticleSequence& sequence, const SurfaceOptions&
 }
 
 void SequenceFrames::prepare(int frame) {
-  next_ = sequence_.frame(frame);
-  prepared_for_ = frame;
-  arrival_ = arrival(sequence_, frame, surfaces_.particles());
-  speed_to_next_ = sequence_.keeps_all() ? 0 : sequence_.fast_speed_to(static_cast<std::size_t>(frame));
-  steps_to_next_ = surfaces_.steps_to(arrival_, speed_to_next_);
+  const auto k = static_cast<std::size_t>(frame);
+  prepared_for_ = k;
+  now_ = {};  // has been reported, and what is asked of it is in the surfaces
+  next_ = arrival(sequence_, k, surfaces_.particles());
+  speed_to_next_ = sequence_.keeps_all() ? 0 : sequence_.fast_speed_to(k);
+  steps_to_next_ = surfaces_.steps_to(next_, speed_to_next_);
 }
 
 bool SequenceFrames::advance(int /*frame*/, const Watch& watch) {
   const std::string detail = fmt::format("{} steps a frame", steps_to_next_);
   const bool arrived = surfaces_.step(
-      std::move(arrival_),
+      std::move(next_),
       [&](FieldMotion& step) {
         tracer_seconds_ += seconds_of([&] { tracers_.step(step); });
         time_ = step.t1();
@@ -49,9 +49,9 @@ bool SequenceFrames::advance(int /*frame*/, const Watch& watch) {
       },
       speed_to_next_);
   if (!arrived) return false;
-  if (!sequence_.keeps_all()) surfaces_.go_on_with(next_.particles);
-  surfaces_.settle(next_.source);
-  now_ = std::move(next_);
+  now_ = sequence_.frame(prepared_for_);
+  if (!sequence_.keeps_all()) surfaces_.go_on_with(now_.particles);
+  surfaces_.settle(now_.source);
   return true;
 }
 

@@ -36,11 +36,11 @@ class SequenceFrames final : public FrameSource {
 
  private:
   ParticleSequence& sequence_;
-  ParticleFrame now_, next_;
-  Particles arrival_;         // those of next_ that now_'s go on to
-  int prepared_for_ = 0;      // the frame that next_ is
-  int steps_to_next_ = 0;     // from now_
-  double speed_to_next_ = 0;  // see TrackedSurfaces::steps_to()
+  ParticleFrame now_;
+  Particles next_;                // what now_'s go on to
+  std::size_t prepared_for_ = 0;  // the frame that they are of
+  int steps_to_next_ = 0;         // from now_
+  double speed_to_next_ = 0;      // see TrackedSurfaces::steps_to()
   TrackedSurfaces surfaces_;
   MaterialTracers tracers_;
   double time_;                // that the surfaces have reached [s]
