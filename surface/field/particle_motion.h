@@ -8,6 +8,9 @@
 
 namespace kappaflow {
 
+/// So many particles count where the fastest set the length of a step: a few fly off.
+inline constexpr double kShareOfFast = 0.999;
+
 /// How particles become a field.
 struct ParticleFieldOptions {
   double sigma = 0;                          ///< support radius of particles of scale 1 [m], > 0

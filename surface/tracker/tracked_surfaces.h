@@ -19,9 +19,7 @@ namespace kappaflow {
 ParticleFieldOptions field_options(const SurfaceOptions& options, std::span<const Vec3> first,
                                    std::span<const double> scale = {});
 
-/// A few that fly off do not set the number of steps.
-inline constexpr double kShareOfFast = 0.999;
-/// The speed that so many particles stay below [m/s]: what limits the length of a step.
+/// The speed that a share kShareOfFast of particles stay below [m/s]: what limits the length of a step.
 double fast_speed(const Particles& particles);
 
 /// Follows the surface of particles through time, by one method or by several side by side.

@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "core/errors.h"
+#include "surface/field/particle_motion.h"
 #include "surface/field/particle_weights.h"
-#include "surface/tracker/tracked_surfaces.h"
 #include "tools/io/liquid_depth.h"
 
 namespace kappaflow {
