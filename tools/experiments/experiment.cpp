@@ -13,12 +13,14 @@
 #include "tools/experiments/coiling.h"
 #include "tools/experiments/conduction.h"
 #include "tools/experiments/conservation.h"
+#include "tools/experiments/cooling_film.h"
 #include "tools/experiments/dam_break.h"
 #include "tools/experiments/enright.h"
 #include "tools/experiments/fig9.h"
 #include "tools/experiments/folding.h"
 #include "tools/experiments/gravity_current.h"
 #include "tools/experiments/hydrostatic.h"
+#include "tools/experiments/incline.h"
 #include "tools/experiments/kernels.h"
 #include "tools/experiments/level_sets.h"
 #include "tools/experiments/minimiser_comparison.h"
@@ -187,6 +189,9 @@ std::span<const Experiment> experiments() {
       Experiment{"validate-gravity-current", "experiments/validate-gravity-current.toml",
                  "viscous liquid spreads on a floor: Huppert's (1982) similarity solution",
                  validate_gravity_current},
+      Experiment{"validate-incline", "experiments/validate-incline.toml",
+                 "silicone oil from a hole in an incline: outlines of Lister (1992), thin-film theory",
+                 validate_incline},
       Experiment{"validate-coiling", "experiments/validate-coiling.toml",
                  "a thread coils on a plate: frequency of a slender thread (Ribe 2004)", validate_coiling},
       Experiment{"validate-folding", "experiments/validate-folding.toml",
@@ -203,6 +208,8 @@ std::span<const Experiment> experiments() {
                  "heat enters a layer: Fourier series", validate_conduction},
       Experiment{"validate-cooling", "experiments/validate-cooling.toml",
                  "a sphere cools in the air: series for a Biot number of 1", validate_cooling},
+      Experiment{"validate-cooling-film", "experiments/validate-cooling-film.toml",
+                 "a layer of lava flows down a slope, cools and stiffens", validate_cooling_film},
       Experiment{"validate-floating-box", "experiments/validate-floating-box.toml",
                  "a box floats: Archimedes' level, and back to it", validate_floating_box},
       Experiment{"validate-sinking-sphere", "experiments/validate-sinking-sphere.toml",

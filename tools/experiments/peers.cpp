@@ -51,6 +51,26 @@ MeasuredFronts measured_fronts(const ExperimentContext& context) {
   return fronts;
 }
 
+MeasuredOutlines measured_outlines(const ExperimentContext& context) {
+  MeasuredOutlines measured;
+  read_peers(context, "lister_1992.toml", [&](TomlTable& t) {
+    measured.name = t.text("name");
+    measured.figure = t.text("figure");
+    for (TomlTable& outline : t.tables("outline", true)) {
+      MeasuredOutlines::Outline& to = measured.outlines.emplace_back();
+      to.time = outline.number("time", positive("s"));
+      const std::vector<double> x = outline.numbers("x", NumberRange{.unit = "m"}, {}),
+                                y = outline.numbers("y", non_negative("m"), {});
+      if (y.size() != x.size()) outline.refuse("y", fmt::format("a number for each of {} of x", x.size()));
+      for (std::size_t i = 0; i < x.size(); ++i) to.points.emplace_back(x[i], y[i]);
+      outline.finish();
+    }
+    if (!std::ranges::is_sorted(measured.outlines, {}, &MeasuredOutlines::Outline::time))
+      t.refuse("outline", "outlines in the order of their times");
+  });
+  return measured;
+}
+
 PaperFigures paper_figures(const ExperimentContext& context) {
   PaperFigures figures;
   read_peers(context, "fujisawa_2011.toml", [&](TomlTable& t) {

@@ -19,6 +19,18 @@ struct MeasuredFronts {
 /// martin_moyce_1952.toml. This and the following throw InvalidInput "file:line:column: ...".
 MeasuredFronts measured_fronts(const ExperimentContext& context);
 
+/// Outlines of liquid that spreads on an incline from the origin, in the order of their times; one or more.
+struct MeasuredOutlines {
+  struct Outline {
+    double time = 0;           ///< [s]
+    std::vector<Vec2> points;  ///< (down the slope, across it), half of it [m]
+  };
+  std::string name, figure;
+  std::vector<Outline> outlines;
+};
+/// lister_1992.toml.
+MeasuredOutlines measured_outlines(const ExperimentContext& context);
+
 /// Errors after whole turns, in body sizes.
 struct PaperFigures {
   std::string source;

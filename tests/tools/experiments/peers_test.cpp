@@ -24,6 +24,11 @@ TEST_F(Peers, FiguresAreThoseOfTheirSources) {
   ASSERT_EQ(fronts.points.size(), 7u);
   EXPECT_EQ(fronts.points.front(), Vec2(0.832, 1.217));
   EXPECT_EQ(fronts.points.back(), Vec2(4.418, 5.881));
+  const MeasuredOutlines outlines = measured_outlines(context(scenes_));
+  ASSERT_EQ(outlines.outlines.size(), 3u);
+  EXPECT_EQ(outlines.outlines.front().time, 32);
+  EXPECT_EQ(outlines.outlines.front().points.front(), Vec2(-0.05294, 0.00024));
+  EXPECT_EQ(outlines.outlines.back().points.back(), Vec2(0.24485, 0));
   EXPECT_EQ(paper_figures(context(scenes_)).faired_error, 0.03);
   EXPECT_EQ(paper_figures(context(scenes_)).total_after_30_turns, 0.06);
   const Table programs = enright_programs(context(scenes_));
@@ -44,6 +49,17 @@ TEST_F(Peers, MistakesAreNamedWithTheirPlace) {
   EXPECT_NE(message_for("martin_moyce_1952.toml", "name = \"x\"\nfigure = \"y\"\nT = [1, 2]\nZ = [1]\n",
                         measured_fronts)
                 .find("a front for each of 2 times"),
+            std::string::npos);
+  EXPECT_NE(message_for("lister_1992.toml",
+                        "name = \"x\"\nfigure = \"y\"\n[[outline]]\ntime = 1\nx = [1, 2]\ny = [1]\n",
+                        measured_outlines)
+                .find("a number for each of 2 of x"),
+            std::string::npos);
+  EXPECT_NE(message_for("lister_1992.toml",
+                        "name = \"x\"\nfigure = \"y\"\n[[outline]]\ntime = 2\nx = [1]\ny = [1]\n"
+                        "[[outline]]\ntime = 1\nx = [1]\ny = [1]\n",
+                        measured_outlines)
+                .find("outlines in the order of their times"),
             std::string::npos);
   EXPECT_NE(message_for("enright_programs.toml",
                         "caption = \"x\"\ncolumns = [\"a\", \"b\"]\n[[program]]\ncells = [\"a\"]\n",

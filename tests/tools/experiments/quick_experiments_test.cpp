@@ -391,6 +391,23 @@ TEST_F(QuickExperiment, ValidateGravityCurrent) {
   EXPECT_LT(std::abs(std::stod(rows_[0].at("coefficient_error"))), 0.05);
 }
 
+TEST_F(QuickExperiment, ValidateIncline) {
+  run("validate-incline");
+  // Two layers of particles, for 16 s: before any outline was measured, which the theory alone is held
+  // against.
+  EXPECT_LT(value({}, "theory_outline_error"), 0.05);
+  EXPECT_LT(value({}, "down_error"), 0.1);
+  EXPECT_LT(value({}, "across_error"), 0.1);
+}
+
+TEST_F(QuickExperiment, ValidateCoolingFilm) {
+  run("validate-cooling-film");
+  EXPECT_LT(value({{"layers", "5"}}, "temperature_error"), 0.06);
+  EXPECT_LT(value({{"layers", "5"}}, "late_speed_error"), 0.1);
+  EXPECT_LT(value({{"layers", "5"}}, "way_error"), 0.05);
+  EXPECT_LT(value({{"layers", "5"}}, "balance"), 1e-6);
+}
+
 TEST_F(QuickExperiment, ValidateCoiling) {
   run("validate-coiling");
   ASSERT_EQ(rows_.size(), 1u);  // the gravitational regime, 2.5 particles in the thread's radius
