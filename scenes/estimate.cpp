@@ -213,9 +213,10 @@ double speed_at(double time, const Scene& scene, const Flow& flow) {
 /// The length of a step at that speed, without regard to frames [s].
 double time_step_at(double speed, const Scene& scene) {
   const FluidOptions& fluid = scene.fluid;
-  const double step = std::min({cfl_time_step(speed, fluid.gravity.norm(), fluid.cfl * fluid.spacing),
-                                capillary_time_step(fluid.surface_tension, fluid.density, fluid.spacing),
-                                fluid.max_time_step});
+  const double step =
+      std::min({cfl_time_step(speed, fluid.gravity.norm(), fluid.cfl * fluid.spacing),
+                capillary_time_step(fluid.surface_tension, fluid.least_density(), fluid.spacing),
+                fluid.max_time_step});
   return std::max(step, fluid.min_time_step);
 }
 

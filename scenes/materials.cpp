@@ -71,7 +71,7 @@ TemperatureLaw read_temperature_law(TomlTable& t, bool has_heat) {
   return law;
 }
 
-Material read_material(TomlTable& t, double density, const std::optional<HeatProperties>& usual) {
+Material read_material(TomlTable& t, double usual_density, const std::optional<HeatProperties>& usual) {
   enum class Model { newtonian, power_law, bingham, herschel_bulkley, carreau, cross };
   static constexpr Named<Model> kModels[] = {
       {"newtonian", Model::newtonian}, {"power-law", Model::power_law},
@@ -79,6 +79,7 @@ Material read_material(TomlTable& t, double density, const std::optional<HeatPro
       {"carreau", Model::carreau},     {"cross", Model::cross}};
   Material m;
   m.name = t.text("name");
+  const double density = m.density = t.number("density", positive("kg/m3", kMaxDensity), usual_density);
   const Model model = t.choice("model", kModels, {});
   m.temperature_law = read_temperature_law(t, usual.has_value());
   for (const std::string_view key : {"specific_heat", "conductivity"})
@@ -112,7 +113,7 @@ Material read_material(TomlTable& t, double density, const std::optional<HeatPro
 }  // namespace
 
 Fluids::Fluids(FluidOptions& options, std::vector<std::string>& names, std::vector<TomlTable> tables)
-    : options_(options), names_(names) {
+    : options_(options), names_(names), usual_density_(options.density) {
   if (options.heat) {
     usual_heat_ = options.heat->fluids.front();
     options.heat->fluids.clear();
@@ -127,8 +128,10 @@ Fluids::Fluids(FluidOptions& options, std::vector<std::string>& names, std::vect
 
 /// Nothing where the table says nothing.
 std::optional<Material> Fluids::stated(TomlTable& t) const {
-  const std::optional<double> viscosity = read_viscosity(t, options_.density);
-  if (!t.has("material")) return viscosity ? std::optional(Material{.viscosity = *viscosity}) : std::nullopt;
+  const std::optional<double> viscosity = read_viscosity(t, usual_density_);
+  if (!t.has("material"))
+    return viscosity ? std::optional(Material{.viscosity = *viscosity, .density = usual_density_})
+                     : std::nullopt;
   if (viscosity) t.refuse("material", "either a material or a viscosity, not both");
   if (materials_.empty()) t.refuse("material", "the name of a [[material]], of which there is none");
   std::vector<std::string_view> names;
@@ -140,8 +143,9 @@ std::optional<std::size_t> Fluids::find(const Material& material) const {
   for (std::size_t fluid = 0; fluid < options_.fluids(); ++fluid) {
     const bool by_name = by_name_[fluid] != 0;
     if (by_name != material.is_told_by_name()) continue;
-    if (by_name ? names_[fluid] == material.name : options_.viscosity(fluid) == material.viscosity)
-      return fluid;
+    const bool same_numbers =
+        options_.viscosity(fluid) == material.viscosity && options_.rest_density(fluid) == material.density;
+    if (by_name ? names_[fluid] == material.name : same_numbers) return fluid;
   }
   return std::nullopt;
 }
@@ -150,12 +154,19 @@ bool Fluids::read_first(TomlTable& t) {
   const std::optional<Material> material = stated(t);
   if (!material) return false;
   options_.kinematic_viscosity = material->viscosity;
-  add(*material);
+  options_.density = material->density;
+  add(*material, t);
   return true;
 }
 
-/// But for its viscosity.
-void Fluids::add(const Material& material) {
+/// But for its viscosity and density, which are there.
+void Fluids::add(const Material& material, const TomlTable& t) {
+  const double least = options_.least_density(), most = options_.largest_density();
+  if (most > kMostDensityRatio * least)
+    throw InvalidInput(t.where(),
+                       fmt::format("liquids of {:.6g} and {:.6g} kg/m3 meet in the scene; allowed: "
+                                   "densities that differ by at most {:.6g} times",
+                                   least, most, kMostDensityRatio));
   options_.rheologies.push_back(material.law);
   options_.temperature_laws.push_back(material.temperature_law);
   if (options_.heat) options_.heat->fluids.push_back(material.heat.value_or(*usual_heat_));
@@ -172,7 +183,8 @@ std::uint8_t Fluids::read(TomlTable& t) {
         t.where(),
         fmt::format("the scene has more than {} different liquids; allowed: at most as many", kMaxFluids));
   options_.more_viscosities.push_back(material->viscosity);
-  add(*material);
+  options_.more_densities.push_back(material->density);
+  add(*material, t);
   return static_cast<std::uint8_t>(options_.fluids() - 1);
 }
 

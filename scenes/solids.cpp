@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "scenes/heat.h"
+#include "scenes/materials.h"
 #include "solver/boundary_sampling.h"
 
 namespace kappaflow {

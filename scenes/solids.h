@@ -9,10 +9,9 @@ namespace kappaflow {
 
 // Bounds that no sensible scene meets; they keep what is computed from the numbers finite in single
 // precision.
-inline constexpr double kMaxLength = 1e6;   // [m]
-inline constexpr double kMaxSpeed = 1e4;    // [m/s], and of rotation [rad/s]
-inline constexpr double kMaxDensity = 1e6;  // [kg/m3]
-inline constexpr double kMaxTime = 1e6;     // [s]
+inline constexpr double kMaxLength = 1e6;  // [m]
+inline constexpr double kMaxSpeed = 1e4;   // [m/s], and of rotation [rad/s]
+inline constexpr double kMaxTime = 1e6;    // [s]
 
 NumberRange length_range();
 

@@ -51,8 +51,8 @@ inline Vec4f padded(const Vec3& v) {
   return {f.x(), f.y(), f.z(), 0};
 }
 
-/// All arrays but `source` have one entry a particle. Every particle has the same rest volume spacing^3 and
-/// the same mass.
+/// All arrays but `source` and `mass_of_fluid` have one entry a particle. Every particle has the same rest
+/// volume spacing^3.
 struct FluidParticles {
   // The state: carried from step to step, permuted when the particles are sorted.
   std::vector<std::uint32_t> id;
@@ -70,6 +70,9 @@ struct FluidParticles {
 
   std::vector<double> temperature;  ///< [K]; empty where there is no heat
 
+  /// By fluid: mass of its particles over that of fluid 0's [1]; empty where all have the same.
+  std::vector<float> mass_of_fluid;
+
   /// By id, so that nothing is to be permuted: where it comes from, by the caller's numbers; of a particle
   /// that is gone, whose id is not used again, the number of the outflow that took it.
   std::vector<int> source;
@@ -77,11 +80,11 @@ struct FluidParticles {
   // What follows from the positions: recomputed after every move.
   std::vector<float> density;              ///< over the rest density [1]
   std::vector<Vec4f> gradient_sum;         ///< density's gradient in the particle's own position [1/m]
-  std::vector<float> gradient_square_sum;  ///< sum_j |V grad W_ij|^2 [1/m2]
+  std::vector<float> gradient_square_sum;  ///< sum_j |V grad W_ij|^2 / m_j, m: mass() [1/m2]
 
   // What follows from them and the velocities while viscosity is solved for, and until the next step: see
   // ViscousForces::find_viscosities(). Empty where every fluid is Newtonian.
-  std::vector<float> viscosity;       ///< kinematic [m2/s]
+  std::vector<float> viscosity;       ///< dynamic, over the rest density of fluid 0 [m2/s]
   std::vector<float> wall_viscosity;  ///< the same at a wall, with its slip
 
   // Room for what a phase of a step needs while it runs; the next phase overwrites it.
@@ -89,6 +92,9 @@ struct FluidParticles {
   std::vector<float> scalar_scratch;
 
   std::size_t size() const { return id.size(); }
+  bool masses_differ() const { return !mass_of_fluid.empty(); }
+  /// Of a particle over that of fluid 0's [1].
+  float mass(std::size_t i) const { return masses_differ() ? mass_of_fluid[fluid[i]] : 1; }
 
   /// See core/saved_state.h.
   template <class Archive>

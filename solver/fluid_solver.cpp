@@ -16,6 +16,7 @@
 #include "solver/heat.h"
 #include "solver/neighbours.h"
 #include "solver/outflow.h"
+#include "solver/particle_shift.h"
 #include "solver/pressure.h"
 #include "solver/rigid_bodies.h"
 #include "solver/start.h"
@@ -128,6 +129,7 @@ struct FluidSolver::State {
         pressure(o),
         viscous_pressure(o),
         tension(o),
+        shift(o),
         heat(o),
         emitters(o),
         outflows(o),
@@ -162,6 +164,7 @@ struct FluidSolver::State {
   PressureSolver pressure;
   ViscousPressure viscous_pressure;
   SurfaceTension tension;
+  ParticleShift shift;
   HeatSolver heat;
   Emitters emitters;
   Outflows outflows;
@@ -189,6 +192,7 @@ FluidSolver::FluidSolver(const FluidOptions& options, std::span<const Vec3> posi
       options, Walls(wall_bodies(walls, rules, bodies, options.spacing), static_cast<float>(options.spacing)),
       std::move(rigid), std::move(collisions));
   state_->particles = particles_at_start(position, velocity, fluid, source);
+  state_->particles.mass_of_fluid = masses_of_fluids(options);
   if (options.heat) state_->particles.temperature.assign(position.size(), options.heat->temperature);
   std::ranges::copy(temperature, state_->particles.temperature.begin());
   state_->emit(0);
@@ -243,6 +247,7 @@ FluidStep FluidSolver::step(double time_left) {
   s.check_viscosity(viscosity);
   s.check_pressure(density, "density", s.options.density_tolerance);
   s.check_motion(done.time_step);
+  if (s.shift.needed()) s.shift.apply(s.particles, s.neighbours, s.wall_sums, dt);
   move(s.particles, dt);
   s.outflows.take(s.particles);
   s.emit(s.time + done.time_step);
@@ -334,7 +339,8 @@ double FluidSolver::State::time_step(double time_left) const {
                     "or max_time_step if the flow explodes, else min_time_step",
                     needed, options.min_time_step));
   }
-  const double capillary = capillary_time_step(options.surface_tension, options.density, options.spacing);
+  const double capillary =
+      capillary_time_step(options.surface_tension, options.least_density(), options.spacing);
   return fit_time_step(std::min({needed, capillary, options.max_time_step}), time_left);
 }
 
@@ -469,8 +475,9 @@ Particles FluidSolver::particles() const {
 
 std::vector<float> FluidSolver::densities() const {
   const FluidParticles& p = state_->particles;
-  return values_by_id<float>(
-      p, [&](std::size_t i) { return static_cast<float>(state_->options.density) * p.density[i]; });
+  return values_by_id<float>(p, [&](std::size_t i) {
+    return static_cast<float>(state_->options.rest_density(p.fluid[i])) * p.density[i];
+  });
 }
 
 std::vector<float> FluidSolver::pressures() const {

@@ -35,9 +35,9 @@ HeatSolver::HeatSolver(const FluidOptions& options)
   if (!options_) return;
   for (const Emitter& emitter : options.emitters)
     emitter_temperature_.push_back(emitter.temperature.value_or(options_->temperature));
-  for (const HeatProperties& fluid : options_->fluids) {
-    capacity_.push_back(options.density * fluid.specific_heat);
-    conductivity_.push_back(fluid.conductivity);
+  for (std::size_t fluid = 0; fluid < options_->fluids.size(); ++fluid) {
+    capacity_.push_back(options.rest_density(fluid) * options_->fluids[fluid].specific_heat);
+    conductivity_.push_back(options_->fluids[fluid].conductivity);
   }
   for (const double a : conductivity_)
     for (const double b : conductivity_)

@@ -54,4 +54,11 @@ class CubicSpline {
   float support_, inverse_support_, sigma_;
 };
 
+/// (W / W(spacing))^4 of a kernel whose support is two spacings, at the distance q [spacings]: how much two
+/// particles crowd each other (Monaghan, "SPH without a tensile instability", 2000).
+inline Wide crowding(const Wide& q) {
+  const Wide outer = (2 - q).max(0.0f), inner = (1 - q).max(0.0f);
+  return (outer.cube() - 4 * inner.cube()).square().square();
+}
+
 }  // namespace kappaflow

@@ -184,7 +184,10 @@ void NeighbourSearch::evaluate(std::size_t i, FluidParticles& particles, std::sp
     narrow((r2 < kernel_.support() * kernel_.support()).select(rounded.max(1.0f), 0.0f), block.factor.data());
     const Wide factor = -unit_ * widen(block.factor.data());
     const WideVec xj = gather(particles.position, block);
-    square_sum += factor * factor * r2;
+    if (particles.masses_differ())
+      square_sum += factor * factor * r2 / masses(particles, block);
+    else
+      square_sum += factor * factor * r2;
     sum_x += factor * (xi[0] - xj.x);
     sum_y += factor * (xi[1] - xj.y);
     sum_z += factor * (xi[2] - xj.z);

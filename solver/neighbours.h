@@ -32,6 +32,14 @@ inline WideVec gather(const std::vector<Vec4f>& values, const PairBlock& block) 
   return gather(values.data() + block.base, block.offset.data());
 }
 
+/// FluidParticles::mass() of eight neighbours.
+inline Wide masses(const FluidParticles& particles, const PairBlock& block) {
+  Wide result;
+  for (int k = 0; k < kWide; ++k)
+    result[k] = particles.mass(block.base + block.offset[static_cast<std::size_t>(k)]);
+  return result;
+}
+
 /// Neighbours of each liquid particle within the kernel's support, itself left out. Both directions of a pair
 /// are stored, so every loop is a gather.
 struct NeighbourLists {

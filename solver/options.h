@@ -1,6 +1,7 @@
 // What the solver is told: the liquid, its emitters, and how to step.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -63,16 +64,22 @@ struct Outflow {
   std::variant<BoxShape, SphereShape, CylinderShape> shape;
 };
 
+/// The largest ratio of the rest densities of two fluids. See docs/materials.md.
+constexpr double kMostDensityRatio = 100;
+
 /// Options of the solver; SI units.
 struct FluidOptions {
   double spacing = 0;     ///< rest distance of neighbouring particles [m]; the kernel's support is twice it
-  double density = 1000;  ///< rest density [kg/m3]
+  double density = 1000;  ///< rest density of fluid 0 [kg/m3]
   double kinematic_viscosity = 1;  ///< [m2/s]
   double slip_length = 0;          ///< of the walls (Navier): 0: no slip, infinite: free slip [m]
-  /// Kinematic viscosities of fluids 1, 2, ... where there are several [m2/s]; all have the same rest
-  /// density. Between fluids of viscosities a and b the viscosity is their harmonic mean, 2 a b / (a + b):
-  /// the shear stress across the interface is then continuous.
+  /// Kinematic viscosities of fluids 1, 2, ... where there are several [m2/s]. Between fluids of dynamic
+  /// viscosities a and b the viscosity is their harmonic mean, 2 a b / (a + b): the shear stress across the
+  /// interface is then continuous.
   std::vector<double> more_viscosities;
+  /// Rest densities of fluids 1, 2, ..., as far as it goes; the others have that of fluid 0 [kg/m3]. At most
+  /// kMostDensityRatio between any two.
+  std::vector<double> more_densities;
   /// Of fluids 0, 1, ..., as far as it goes: the laws of those that are not Newtonian, in place of their
   /// viscosities above.
   std::vector<Rheology> rheologies;
@@ -103,6 +110,18 @@ struct FluidOptions {
     return gravity_table.empty() ? TimeTable<Vec3>{{{0, gravity}}} : gravity_table;
   }
   std::size_t fluids() const { return 1 + more_viscosities.size(); }
+  /// Of fluid 0, 1, ... [kg/m3]
+  double rest_density(std::size_t fluid) const {
+    return fluid == 0 || fluid > more_densities.size() ? density : more_densities[fluid - 1];
+  }
+  double least_density() const {
+    return more_densities.empty() ? density : std::min(density, std::ranges::min(more_densities));
+  }
+  double largest_density() const {
+    return more_densities.empty() ? density : std::max(density, std::ranges::max(more_densities));
+  }
+  /// Of fluid 0, 1, ...: the mass of a particle over that of fluid 0 [1].
+  double relative_mass(std::size_t fluid) const { return rest_density(fluid) / density; }
   /// Of fluid 0, 1, ...
   Rheology rheology(std::size_t fluid) const {
     return fluid < rheologies.size() ? rheologies[fluid] : Rheology();

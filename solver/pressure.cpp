@@ -42,15 +42,17 @@ void accelerate_by_pressure(FluidParticles& particles, const NeighbourLists& lis
 }
 
 /// Multiplies the pressure by what minimises the problem along it, where the whole of it does the work that
-/// its particles need: kappa^T source = dt^2 |a|^2. Sweeps reach one neighbour further each and take many to
-/// change the pressure of a whole column; this needs none. Returns the factor.
+/// its particles need: kappa^T source = dt^2 a^T M a. Sweeps reach one neighbour further each and take many
+/// to change the pressure of a whole column; this needs none. Returns the factor.
 float fit_scale(FluidParticles& particles, float square_step, const Coupling& bodies) {
   auto& acceleration = accelerations(particles);
   const auto& source = sources(particles);
   const std::size_t n = particles.size();
   const double square =
-      parallel_sum<double>(
-          n, 0, [&](std::size_t i) { return static_cast<double>(acceleration[i].squaredNorm()); }) +
+      parallel_sum<double>(n, 0,
+                           [&](std::size_t i) {
+                             return static_cast<double>(particles.mass(i) * acceleration[i].squaredNorm());
+                           }) +
       bodies.push_square();
   if (!(square > 0)) return 1;
   const double needed = parallel_sum<double>(n, 0, [&](std::size_t i) {
@@ -162,7 +164,7 @@ Vec4f pressure_acceleration(std::size_t i, const FluidParticles& particles, cons
     sum_y += scale * (xi[1] - xj.y);
     sum_z += scale * (xi[2] - xj.z);
   }
-  return -(xi[3] * particles.gradient_sum[i] + sums(sum_x, sum_y, sum_z));
+  return (xi[3] * particles.gradient_sum[i] + sums(sum_x, sum_y, sum_z)) / -particles.mass(i);
 }
 
 void PressureSolver::apply_last(FluidParticles& particles, const NeighbourLists& lists, float time_step,
@@ -233,7 +235,7 @@ PressureSolver::Progress PressureSolver::iterate(FluidParticles& particles, cons
   const auto& source = sources(particles);
   auto& iterate = iterates(particles);
   return parallel_sum(particles.size(), Progress(), [&](std::size_t i) {
-    const float diagonal = square_step * (particles.gradient_sum[i].squaredNorm() +
+    const float diagonal = square_step * (particles.gradient_sum[i].squaredNorm() / particles.mass(i) +
                                           particles.gradient_square_sum[i] + bodies.push_diagonal(i));
     const float kappa = particles.position[i][3], bound = bound_of(least, i);
     const Vec4f last = iterate[i];

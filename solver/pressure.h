@@ -50,21 +50,24 @@ struct PressureSolve {
 };
 
 /// Finds kappa_i >= 0 [m2/s2] such that the accelerations
-///   a_i = -sum_j V (kappa_i + kappa_j) grad W_ij - kappa_i sum_b V_b grad W_ib
-/// leave no particle compressed after the step dt. kappa is p / (rho0 (rho/rho0)^2): the pressure in Pa is
-/// rho0 (rho/rho0)^2 (kappa of the density solve + kappa of the divergence solve), for both act during the
-/// same dt.
+///   m_i a_i = -sum_j V (kappa_i + kappa_j) grad W_ij - kappa_i sum_b V_b grad W_ib
+/// leave no particle compressed after the step dt, m_i the mass over that of a particle of fluid 0. With rho0
+/// the rest density of fluid 0 and d the density over the particle's own rest density, kappa is p / (rho0
+/// d^2): the pressure in Pa is rho0 d^2 (kappa of the density solve + kappa of the divergence solve), for
+/// both act during the same dt. Density counts volume, not mass: where a light liquid meets a heavy one the
+/// pressure is as smooth as elsewhere (Solenthaler & Pajarola, "Density contrast SPH interfaces", 2008).
 ///
-/// With D the linear map from velocities to rates of relative density, a = -D^T kappa, so kappa solves the
-/// linear complementarity problem of dt^2 D D^T, symmetric and positive semidefinite: kappa >= 0, no particle
-/// compressed, and none held below rest density by a pressure. Solved by projected Jacobi steps with
-/// Nesterov's acceleration, restarted when they overshoot (O'Donoghue & Candes, "Adaptive restart for
-/// accelerated gradient schemes", 2015); their length follows from the curvature met on the way. Before the
-/// first and after the last the pressure as a whole is multiplied by what fits it best: the slowest error,
-/// too much or too little everywhere, is gone at once (not where tension is allowed, which has a bound of its
-/// own). Where there are rigid bodies, D and a have theirs too (RigidBodies). The stopping error counts
-/// pressures that are too high as well as too low: the former, left over from the step before, would lift the
-/// liquid. Pair forces are antisymmetric: momentum is conserved to rounding.
+/// With D the linear map from velocities to rates of relative density and M the masses, a = -M^-1 D^T kappa,
+/// so kappa solves the linear complementarity problem of dt^2 D M^-1 D^T, symmetric and positive
+/// semidefinite: kappa >= 0, no particle compressed, and none held below rest density by a pressure. Solved
+/// by projected Jacobi steps with Nesterov's acceleration, restarted when they overshoot (O'Donoghue &
+/// Candes, "Adaptive restart for accelerated gradient schemes", 2015); their length follows from the
+/// curvature met on the way. Before the first and after the last the pressure as a whole is multiplied by
+/// what fits it best: the slowest error, too much or too little everywhere, is gone at once (not where
+/// tension is allowed, which has a bound of its own). Where there are rigid bodies, D and a have theirs too
+/// (RigidBodies). The stopping error counts pressures that are too high as well as too low: the former, left
+/// over from the step before, would lift the liquid. Pair forces are antisymmetric: momentum is conserved to
+/// rounding.
 class PressureSolver {
  public:
   explicit PressureSolver(const FluidOptions& options)
@@ -92,9 +95,9 @@ class PressureSolver {
   PressureSolve correct_divergence(FluidParticles& particles, const NeighbourLists& lists,
                                    const WallSums& walls, float time_step, const Coupling& bodies = {});
 
-  /// Moves particles by the least that leaves none compressed, to first order: by a with dt = 1, for
-  /// rho/rho0 - 1 + D a <= 0. Velocities and pressures stay. Ends when at most `tolerance` of compression is
-  /// left in the mean and 1 percent at any particle. Rigid bodies stand still.
+  /// Moves particles by the least, weighted by their masses, that leaves none compressed, to first order: by
+  /// a with dt = 1, for rho/rho0 - 1 + D a <= 0. Velocities and pressures stay. Ends when at most `tolerance`
+  /// of compression is left in the mean and 1 percent at any particle. Rigid bodies stand still.
   PressureSolve move_apart(FluidParticles& particles, const NeighbourLists& lists, double tolerance);
 
  private:
@@ -121,8 +124,8 @@ inline std::vector<Vec4f>& compression_rates(FluidParticles& particles) {
   return particles.scratch[2];
 }
 
-/// -D^T kappa: the accelerations a_i above [m/s2], with kappa_i in position[i].w. Zero for a particle that an
-/// emitter leads, as if its mass were infinite; the system stays symmetric.
+/// -M^-1 D^T kappa: the accelerations a_i above [m/s2], with kappa_i in position[i].w. Zero for a particle
+/// that an emitter leads, as if its mass were infinite; the system stays symmetric.
 Vec4f pressure_acceleration(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists);
 
 }  // namespace kappaflow

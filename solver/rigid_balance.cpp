@@ -24,15 +24,15 @@ Vec3 in_double(const Vec4f& v) {
 
 /// The balance K q = missing about a point.
 struct Balance {
-  // Of the particles' inertia: their number, the sum of their arms, and of arm arm^T.
-  double count = 0;
+  // Of the particles' inertia: their masses, and the sums of mass arm and of mass arm arm^T.
+  double mass = 0;
   Vec3 moment = Vec3::Zero();
   Mat3 second = Mat3::Zero();
   Matrix6 resistance = Matrix6::Zero();  // of what is not liquid
   Vector6 missing = Vector6::Zero();
 
   friend Balance operator+(Balance a, const Balance& b) {
-    a.count += b.count;
+    a.mass += b.mass;
     a.moment += b.moment;
     a.second += b.second;
     a.resistance += b.resistance;
@@ -40,11 +40,12 @@ struct Balance {
     return a;
   }
 
-  /// Adds a particle's inertia, of which `left` is what is left of it.
-  void add_inertia(const Vec3& left, const Vec3& arm) {
-    count += 1;
-    moment += arm;
-    second += arm * arm.transpose();
+  /// Adds a particle's inertia; velocity: what it lacks of its own.
+  void add_inertia(double of_particle, const Vec3& velocity, const Vec3& arm) {
+    mass += of_particle;
+    moment += of_particle * arm;
+    second += of_particle * arm * arm.transpose();
+    const Vec3 left = of_particle * velocity;
     missing.head<3>() += left;
     missing.tail<3>() += arm.cross(left);
   }
@@ -55,14 +56,14 @@ struct Balance {
     missing += b.transpose() * left;
   }
 
-  /// q, each particle having this moment of inertia of its own.
+  /// q, each particle having this moment of inertia over its mass of its own.
   Vector6 solve(double inertia) const {
     Matrix6 matrix = resistance;
     const Mat3 turning = second.trace() * Mat3::Identity() - second;
-    matrix.topLeftCorner<3, 3>() += count * Mat3::Identity();
+    matrix.topLeftCorner<3, 3>() += mass * Mat3::Identity();
     matrix.topRightCorner<3, 3>() += velocities_at(moment).rightCols<3>();
     matrix.bottomLeftCorner<3, 3>() += velocities_at(moment).rightCols<3>().transpose();
-    matrix.bottomRightCorner<3, 3>() += turning + count * inertia * Mat3::Identity();
+    matrix.bottomRightCorner<3, 3>() += turning + mass * inertia * Mat3::Identity();
     return matrix.ldlt().solve(missing);
   }
 };
@@ -75,7 +76,8 @@ class ParticleBalance {
       : forces_(forces), particles_(particles), lists_(lists), walls_(walls), time_step_(time_step), v_(v) {}
 
   void add_to(Balance& balance, std::size_t i, const Vec3& arm) const {
-    balance.add_inertia(in_double(particles_.velocity[i]) - in_double(v_[i]), arm);
+    balance.add_inertia(static_cast<double>(particles_.mass(i)),
+                        in_double(particles_.velocity[i]) - in_double(v_[i]), arm);
     if (!walls_.touches(i)) return;
     Mat3 m;
     for (int c = 0; c < 3; ++c)

@@ -13,7 +13,7 @@ namespace kappaflow {
 
 /// Adds to v, component by component of connected liquid, the rigid motion q that makes linear and angular
 /// momentum right: with B from rigid motions about a point to velocities, sums over a component's particles,
-///   sum B^T (v + B q - v*) = dt sum B^T (f - L (v + B q)),
+///   sum B^T m (v + B q - v*) = dt sum B^T (f - L (v + B q)),
 /// where the forces between two of them cancel, and what walls and particles that are led do is left. Liquid
 /// that touches a rigid body is connected by it; f is then that of the body's response to q. Keeps its
 /// buffers, so that a step allocates nothing once warm.

@@ -96,8 +96,8 @@ class RigidMultigrid::CellSums {
     const SymmetricMatrix drag = wall_drag(i);
     const Vec4f diagonal = sums(pairs[0], pairs[1], pairs[2]), others = sums(pairs[3], pairs[4], pairs[5]);
     grid_.inverse_diagonal_[i] =
-        inverse_of({diagonal[0] + drag[0], diagonal[1] + drag[1], diagonal[2] + drag[2], others[0] + drag[3],
-                    others[1] + drag[4], others[2] + drag[5]});
+        inverse_of(particles_.mass(i), {diagonal[0] + drag[0], diagonal[1] + drag[1], diagonal[2] + drag[2],
+                                        others[0] + drag[3], others[1] + drag[4], others[2] + drag[5]});
     if (carried) add_squares(i, drag);
     return resistance.sum() + forces_.wall_drag(i, particles_, walls_, v[i]);
   }
@@ -147,7 +147,8 @@ class RigidMultigrid::CellSums {
   }
   void add_squares(std::size_t i, const SymmetricMatrix& drag);
   SymmetricMatrix wall_drag(std::size_t i) const;
-  SymmetricMatrix inverse_of(const SymmetricMatrix& pairs) const;
+  /// Of mass + time_step * pairs.
+  SymmetricMatrix inverse_of(float mass, const SymmetricMatrix& pairs) const;
 
   RigidMultigrid& grid_;
   const ViscousForces& forces_;
@@ -200,7 +201,8 @@ void RigidMultigrid::CellSums::add_squares(std::size_t i, const SymmetricMatrix&
   const auto squares = [&](std::size_t octant) -> Eight { return squares_[0][octant] + squares_[1][octant]; };
   const Eight apart = squares(kApart);
   SymmetricMatrix own;
-  for (std::size_t k = 0; k < 6; ++k) own[k] = (k < 3 ? 1.0f : 0.0f) + time_step_ * (drag[k] + apart[k]);
+  const float mass = particles_.mass(i);
+  for (std::size_t k = 0; k < 6; ++k) own[k] = (k < 3 ? mass : 0.0f) + time_step_ * (drag[k] + apart[k]);
   anchor_ += rigid::matrix_at(own, arm);
   std::array<Eight, 8> columns;
   for (std::size_t k = 0; k < 8; ++k) columns[k] = k == 0 ? Eight{} : time_step_ * squares(k);
@@ -236,12 +238,12 @@ SymmetricMatrix RigidMultigrid::CellSums::wall_drag(std::size_t i) const {
   return {x[0], y[1], z[2], z[1], z[0], y[0]};
 }
 
-SymmetricMatrix RigidMultigrid::CellSums::inverse_of(const SymmetricMatrix& pairs) const {
+SymmetricMatrix RigidMultigrid::CellSums::inverse_of(float mass, const SymmetricMatrix& pairs) const {
   const double dt = static_cast<double>(time_step_);
   const auto [xx, yy, zz, yz, xz, xy] = pairs;
   Eigen::Matrix3f sum;
   sum << xx, xy, xz, xy, yy, yz, xz, yz, zz;
-  Eigen::Matrix3d block = Eigen::Matrix3d::Identity() + dt * sum.cast<double>();
+  Eigen::Matrix3d block = static_cast<double>(mass) * Eigen::Matrix3d::Identity() + dt * sum.cast<double>();
   block.diagonal().array() += kBlockUncertainty * dt * static_cast<double>(xx + yy + zz);
   const Eigen::Matrix3f m = block.inverse().cast<float>();
   return {m(0, 0), m(1, 1), m(2, 2), m(1, 2), m(0, 2), m(0, 1)};
@@ -274,7 +276,7 @@ void RigidMultigrid::find_weak(const ViscousForces& forces, float time_step) {
   weak_fluid_.resize(forces.fluids());
   for (std::size_t fluid = 0; fluid < forces.fluids(); ++fluid)
     weak_fluid_[fluid] =
-        static_cast<double>(forces.viscosity(fluid) * time_step) < kWeak * spacing_ * spacing_;
+        static_cast<double>(forces.kinematic_viscosity(fluid) * time_step) < kWeak * spacing_ * spacing_;
   const auto weak = std::ranges::count(weak_fluid_, 1);
   weak_ = weak == std::ssize(weak_fluid_);
   any_weak_ = weak > 0 && !weak_;

@@ -14,7 +14,7 @@
 
 namespace kappaflow {
 
-/// M^-1 = D^-1 + P C P^T for the system A = I + dt L (see viscous_forces.h): D are A's 3x3 diagonal blocks, P
+/// M^-1 = D^-1 + P C P^T for the system A = m + dt L (see viscosity.h): D are A's 3x3 diagonal blocks, P
 /// takes rigid motions of cells to velocities, C is one V-cycle on P^T A P, whose coarser levels are the
 /// rigid motions of 2x2x2 cells. Symmetric and positive definite. Rigid motions of free liquid cost no
 /// viscous stress: they are what D alone is slow to find. See docs/viscosity.md.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/errors.h"
@@ -24,6 +25,17 @@ void require_positive(double value, const char* name) {
 void require_not_negative(double value, const char* name) {
   require_fluid(std::isfinite(value) && value >= 0,
                 fmt::format("{} = {}; must be 0 or greater", name, value));
+}
+
+void check_densities(const FluidOptions& o) {
+  require_fluid(o.more_densities.size() < o.fluids(),
+                fmt::format("densities of {} further fluids; there are {}", o.more_densities.size(),
+                            o.more_viscosities.size()));
+  for (const double density : o.more_densities) require_positive(density, "density of a further fluid");
+  const double least = o.least_density(), most = o.largest_density();
+  require_fluid(most <= kMostDensityRatio * least,
+                fmt::format("densities of {} and {} kg/m3; must differ by at most {} times", most, least,
+                            kMostDensityRatio));
 }
 
 void check_heat(const HeatOptions& heat, std::size_t fluids) {
@@ -54,6 +66,7 @@ void check_options(const FluidOptions& o) {
   require_fluid(o.fluids() <= 256, fmt::format("{} fluids; allowed: 256", o.fluids()));
   for (const double viscosity : o.more_viscosities)
     require_not_negative(viscosity, "kinematic viscosity of a further fluid");
+  check_densities(o);
   require_fluid(o.rheologies.size() <= o.fluids(),
                 fmt::format("{} rheologies of {} fluids", o.rheologies.size(), o.fluids()));
   for (const Rheology& law : o.rheologies) check_rheology(law);
@@ -71,7 +84,7 @@ void check_options(const FluidOptions& o) {
   require_fluid(o.outflows.size() < 256, fmt::format("{} outflows; allowed: 255", o.outflows.size()));
   for (const Outflow& outflow : o.outflows) check_outflow(outflow);
   require_not_negative(o.surface_tension, "surface_tension");
-  const double capillary = capillary_time_step(o.surface_tension, o.density, o.spacing);
+  const double capillary = capillary_time_step(o.surface_tension, o.least_density(), o.spacing);
   require_fluid(
       capillary >= o.min_time_step,
       fmt::format("surface_tension = {} N/m needs time steps of {:.3g} s, below min_time_step = {:.3g} s",
@@ -121,6 +134,14 @@ void check_temperatures(std::span<const double> temperature, std::size_t particl
   require_fluid(temperature.size() == particles,
                 fmt::format("{} positions but {} temperatures", particles, temperature.size()));
   for (const double value : temperature) require_positive(value, "temperature of a particle");
+}
+
+std::vector<float> masses_of_fluids(const FluidOptions& options) {
+  std::vector<float> masses;
+  for (std::size_t fluid = 0; fluid < options.fluids(); ++fluid)
+    masses.push_back(static_cast<float>(options.relative_mass(fluid)));
+  if (std::ranges::count(masses, 1.0f) == std::ssize(masses)) masses.clear();
+  return masses;
 }
 
 FluidParticles particles_at_start(std::span<const Vec3> position, std::span<const Vec3> velocity,

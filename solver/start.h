@@ -25,6 +25,9 @@ void check_start(std::span<const Vec3> position, std::span<const Vec3> velocity,
 void check_temperatures(std::span<const double> temperature, std::size_t particles,
                         const FluidOptions& options);
 
+/// FluidParticles::mass_of_fluid.
+std::vector<float> masses_of_fluids(const FluidOptions& options);
+
 /// Particles in the given order, ids 0, 1, ...; pressures zero. fluid, source: empty where all are 0.
 FluidParticles particles_at_start(std::span<const Vec3> position, std::span<const Vec3> velocity,
                                   std::span<const std::uint8_t> fluid = {}, std::span<const int> source = {});

@@ -60,7 +60,7 @@ Vec4f SurfaceTension::acceleration(std::size_t i, const FluidParticles& particle
     sum_y += across * my + along * y;
     sum_z += across * mz + along * z;
   }
-  return -sums(sum_x, sum_y, sum_z);
+  return sums(sum_x, sum_y, sum_z) / -particles.mass(i);
 }
 
 void SurfaceTension::apply(FluidParticles& particles, const NeighbourLists& lists, float time_step) const {

@@ -9,7 +9,7 @@
 
 namespace kappaflow {
 
-/// The accelerations of the potential energy kArea sigma A + kCohesion E per density, where
+/// The accelerations of the potential energy kArea sigma A + kCohesion E per mass, where
 /// - A = sum_i V (sqrt(|n_i|^2 + eps^2) - eps) is the area of the surface that the particles smooth, with n_i
 ///   = sum_j V grad W_ij; a particle feels -sum_j V grad grad W_ij (m_i - m_j) with m = n / sqrt(n^2 +
 ///   eps^2). Akinci et al. use n_i - n_j itself, which has no potential.

@@ -27,9 +27,9 @@ double sum_of(const Vec4f& v) {
   return static_cast<double>(v.sum());
 }
 
-/// What M^-1 r = z says of the error e = A^-1 r, r its residual: energy r . z, square z . z. About the most
-/// that e . e can be. A >= 1, so that e . e <= e . A e = r . A^-1 r. Of stiff liquid, whose last bits alone
-/// have much energy, the other bound is the smaller one.
+/// What M^-1 r = z says of the error e = A^-1 r, r its residual: energy r . z, square z . m z. About the most
+/// that e . m e can be. A >= m, so that e . m e <= e . A e = r . A^-1 r. Of stiff liquid, whose last bits
+/// alone have much energy, the other bound is the smaller one.
 double squared_error(double energy, double square) {
   return std::min(std::abs(energy), kSlowest * square);  // no number if the energy is none
 }
@@ -48,22 +48,22 @@ void ViscositySolver::apply(const FluidParticles& particles, const NeighbourList
                             std::vector<Vec4f>& result) const {
   result.resize(u.size());
   parallel_for(u.size(), [&](std::size_t i) {
-    result[i] = u[i] + time_step * forces_.resistance(i, particles, lists, walls, u);
+    result[i] = particles.mass(i) * u[i] + time_step * forces_.resistance(i, particles, lists, walls, u);
   });
 }
 
 /// Sums over the particles that are solved for.
 struct ViscositySolver::Squares {
-  double count = 0, change = 0, speed = 0, block_energy = 0;  // of 1, |v - v*|^2, |v|^2, r . D^-1 r
+  double mass = 0, change = 0, speed = 0, block_energy = 0;  // of m, m |v - v*|^2, m |v|^2, r . D^-1 r
 
   friend Squares operator+(const Squares& a, const Squares& b) {
-    return {a.count + b.count, a.change + b.change, a.speed + b.speed, a.block_energy + b.block_energy};
+    return {a.mass + b.mass, a.change + b.change, a.speed + b.speed, a.block_energy + b.block_energy};
   }
 };
 
 /// The sum of squared errors that is tolerated. speed_of_fall: what gravity adds in the step [m/s].
 double ViscositySolver::tolerated(const Squares& squares, double speed_of_fall) const {
-  const double fall = squares.count * std::pow(speed_of_fall, 2);
+  const double fall = squares.mass * std::pow(speed_of_fall, 2);
   double scale = std::min(squares.change, squares.speed);
   if (fall > 0) scale = std::clamp(scale, kLeastShare * kLeastShare * fall, fall);
   return tolerance_ * tolerance_ * scale + kRoundings * kRoundings * squares.speed;
@@ -108,13 +108,13 @@ class ViscositySolver::ConjugateGradients {
     return find_residual();
   }
 
-  /// p = z + factor p; returns z . z.
+  /// p = z + factor p; returns z . m z.
   double turn(float factor) {
     return sum(0.0, [this, factor](std::size_t cell) {
       Vec4f squares = Vec4f::Zero();
       cells_.for_solutions(cell, particles_, residual_, [&](std::size_t i, const Vec4f& z) {
         direction_[i] = z + factor * direction_[i];
-        squares += z.cwiseAbs2();
+        squares += particles_.mass(i) * z.cwiseAbs2();
       });
       return sum_of(squares);
     });
@@ -123,7 +123,8 @@ class ViscositySolver::ConjugateGradients {
   /// q = A p; returns p . q. In the order of the lists of neighbours, most of what is read.
   double curvature() {
     const double of_liquid = parallel_sum(particles_.size(), 0.0, [this](std::size_t i) {
-      image_[i] = direction_[i] + time_step_ * forces_.resistance(i, particles_, lists_, walls_, direction_);
+      image_[i] = particles_.mass(i) * direction_[i] +
+                  time_step_ * forces_.resistance(i, particles_, lists_, walls_, direction_);
       return sum_of(direction_[i].cwiseProduct(image_[i]));
     });
     return of_liquid + bodies_.respond_to(direction_, image_);
@@ -168,13 +169,14 @@ class ViscositySolver::ConjugateGradients {
     solution_[i] = !forces_.act_on(i, particles_) ? now : weak ? Vec4f(now + change) : Vec4f(last + change);
     acceleration_[i] = weak ? Vec4h::Zero() : halved((last - now) / time_step_);
   }
-  /// r = v* - v - dt (L v - f) from q = L v.
+  /// r = m (v* - v) - dt (L v - f) from q = L v.
   Squares find_residual() {
     bodies_.respond(solution_);
     return sum(Squares(), [this](std::size_t cell) {
       cells_.for_particles(cell, [this](std::size_t i) {
         const Vec4f friction = image_[i] - forces_.wall_drive(i, particles_, walls_);
-        residual_[i] = particles_.velocity[i] - solution_[i] - time_step_ * friction;
+        const Vec4f change = particles_.velocity[i] - solution_[i];
+        residual_[i] = particles_.mass(i) * change - time_step_ * friction;
       });
       return squares(cell);
     });
@@ -182,13 +184,14 @@ class ViscositySolver::ConjugateGradients {
   /// Of v and r as they are in the cell; restricts r to it.
   Squares squares(std::size_t cell) {
     Vec4f change = Vec4f::Zero(), speed = change;
-    double count = 0;
+    double masses = 0;
     cells_.for_particles(cell, [&](std::size_t i) {
-      change += (solution_[i] - particles_.velocity[i]).cwiseAbs2();
-      speed += solution_[i].cwiseAbs2();
-      ++count;
+      const float m = particles_.mass(i);
+      change += m * (solution_[i] - particles_.velocity[i]).cwiseAbs2();
+      speed += m * solution_[i].cwiseAbs2();
+      masses += static_cast<double>(m);
     });
-    return {count, sum_of(change), sum_of(speed), cells_.restrict_to(cell, particles_, residual_)};
+    return {masses, sum_of(change), sum_of(speed), cells_.restrict_to(cell, particles_, residual_)};
   }
   template <class T, class Value>
   T sum(const T& zero, const Value& value) const {

@@ -23,17 +23,18 @@ struct ViscositySolve {
   double error = 0;  ///< estimated error of the velocities over what is tolerated [1]; at most 1: converged
 };
 
-/// Solves A v = v* + dt f, A = I + dt L, for the new velocities v, where f - L v is the viscous acceleration
-/// (see viscous_forces.h). The particles that an emitter leads keep their velocity; the others are solved for
-/// by conjugate gradients, preconditioned by RigidMultigrid, beginning where v would be if it changed as in
-/// the last step (weak fluids: if viscosity did what it did then). What is left unsolved changes neither
-/// linear nor angular momentum: see MomentumBalance.
+/// Solves A v = m v* + dt f, A = m + dt L, for the new velocities v, where f - L v is the viscous force over
+/// the mass of a particle of fluid 0 (see viscous_forces.h), m that of each particle over the same. The
+/// particles that an emitter leads keep their velocity; the others are solved for by conjugate gradients,
+/// preconditioned by RigidMultigrid, beginning where v would be if it changed as in the last step (weak
+/// fluids: if viscosity did what it did then). What is left unsolved changes neither linear nor angular
+/// momentum: see MomentumBalance.
 ///
-/// They end when the root mean square error e of the velocities is tolerated:
+/// They end when the root mean square error e of the velocities, weighted by the masses, is tolerated:
 ///   e <= FluidOptions::viscosity_tolerance * clamp(min(|v - v*|, |v|), 0.1 g dt, g dt),
 /// with root mean squares of what viscosity has changed and of the liquid's own speed, or after
-/// max_viscosity_iterations. e^2 is estimated from above by r . M^-1 r / n, n particles; A >= 1, so that
-/// e . e <= e . A e = r . A^-1 r. See docs/viscosity.md.
+/// max_viscosity_iterations. e^2 is estimated from above by r . M^-1 r / sum m; A >= m, so that e . m e
+/// <= e . A e = r . A^-1 r. See docs/viscosity.md.
 ///
 /// Where a viscosity depends on the shear rate, A is that of the velocities found: it is set up and solved
 /// anew from them until that begins with an error that is tolerated (Picard's iteration; docs/materials.md).
@@ -48,7 +49,7 @@ class ViscositySolver {
   ViscositySolve solve(FluidParticles& particles, const NeighbourLists& lists, WallSums& walls,
                        float time_step, double time = 0, RigidBodies* bodies = nullptr);
 
-  /// A u for one vector a particle, of rigid bodies at rest.
+  /// A u of one vector a particle, of rigid bodies at rest.
   void apply(const FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,
              float time_step, const std::vector<Vec4f>& u, std::vector<Vec4f>& result) const;
 

@@ -31,13 +31,16 @@ ViscousForces::ViscousForces(const FluidOptions& options)
       spacing_(static_cast<float>(options.spacing)),
       slip_(static_cast<float>(1 / (1 + options.slip_length / (kContactDistance * options.spacing)))),
       fluids_(options.fluids()) {
-  std::vector<double> kinematic;
-  for (std::size_t fluid = 0; fluid < fluids_; ++fluid) kinematic.push_back(options.viscosity(fluid));
+  std::vector<double> dynamic;
+  for (std::size_t fluid = 0; fluid < fluids_; ++fluid) {
+    mass_.push_back(static_cast<float>(options.relative_mass(fluid)));
+    dynamic.push_back(options.relative_mass(fluid) * options.viscosity(fluid));
+  }
   const double contact = kContactDistance * options.spacing;
-  for (const double viscosity : kinematic)
+  for (const double viscosity : dynamic)
     wall_viscosity_.push_back(static_cast<float>(viscosity / (1 + options.slip_length / contact)));
-  for (const double a : kinematic)
-    for (const double b : kinematic)
+  for (const double a : dynamic)
+    for (const double b : dynamic)
       pair_viscosity_.push_back(a + b > 0 ? static_cast<float>(2 * a * b / (a + b)) : 0);
   for (std::size_t fluid = 0; fluid < fluids_; ++fluid)
     reference_viscosity_.push_back(pair_viscosity_[fluid * (fluids_ + 1)]);
@@ -75,7 +78,8 @@ void ViscousForces::find_viscosity(std::size_t i, FluidParticles& particles, con
     return;
   }
   const auto at_rate = [&](float rate) {
-    return static_cast<float>(shift * viscosity_at(law.of_shear, shift * static_cast<double>(rate)));
+    return mass_[fluid] *
+           static_cast<float>(shift * viscosity_at(law.of_shear, shift * static_cast<double>(rate)));
   };
   const float share = again ? share_of_step(law.of_shear) : 1;
   const auto approach = [&](float& viscosity, float found) {

@@ -63,12 +63,12 @@ class PairResistance {
   Wide x_ = Wide::Zero(), y_ = Wide::Zero(), z_ = Wide::Zero();
 };
 
-/// The viscous acceleration is f - L v [m/s2]:
+/// The viscous force is f - L v [m/s2], over the mass of a particle of fluid 0:
 ///   (L v)_i = sum_j nu_ij c_ij x_ij (x_ij . v_ij) + nu_i' g_i (I - n n^T) v_i,
 ///   f_i     = nu_i' g_i (I - n n^T) v_w,
-/// with nu_ij the viscosity between two particles, nu' that at walls [m2/s] (g, n and v_w: see WallSums),
-/// summed over the particle's contacts. L is symmetric, positive semidefinite, and zero for rigid motions of
-/// free liquid.
+/// with nu_ij the viscosity between two particles, nu' that at walls (g, n and v_w: see WallSums), summed
+/// over the particle's contacts. Viscosities are dynamic ones, over the rest density of fluid 0 [m2/s]. L is
+/// symmetric, positive semidefinite, and zero for rigid motions of free liquid.
 class ViscousForces {
  public:
   explicit ViscousForces(const FluidOptions& options);
@@ -76,8 +76,8 @@ class ViscousForces {
   /// Whether no fluid is viscous, or may be.
   bool none() const;
   std::size_t fluids() const { return fluids_; }
-  /// Of a fluid whose particles have viscosities of their own the largest of them [m2/s].
-  float viscosity(std::size_t fluid) const { return viscosity_[fluid]; }
+  /// Kinematic; of a fluid whose particles have viscosities of their own the largest of them [m2/s].
+  float kinematic_viscosity(std::size_t fluid) const { return viscosity_[fluid] / mass_[fluid]; }
 
   /// Whether there are fluids that are not Newtonian, or whose viscosity depends on the temperature.
   bool vary() const { return !laws_.empty(); }
@@ -91,7 +91,7 @@ class ViscousForces {
   /// Whether viscous forces can change the particle's velocity: it is viscous and not led.
   bool act_on(std::size_t i, const FluidParticles& particles) const {
     if (particles.led_by[i] != 0) return false;
-    return wall_viscosity_[particles.fluid[i]] > 0 || viscosity(particles.fluid[i]) > 0;
+    return wall_viscosity_[particles.fluid[i]] > 0 || viscosity_[particles.fluid[i]] > 0;
   }
 
   /// Calls visit(block, x, w, x_j) for the blocks of particle i's neighbours: x = x_ij [m], w = nu_ij c_ij
@@ -135,9 +135,10 @@ class ViscousForces {
   ViscosityWeight weight_;
   float spacing_, slip_;  // slip: d / (d + slip length), d the contact distance
   std::size_t fluids_;
-  std::vector<float> viscosity_;            // kinematic, by i, see viscosity() [m2/s]
+  std::vector<float> mass_;                 // by fluid i, of a particle over that of fluid 0's
+  std::vector<float> viscosity_;            // by i; where it varies the largest
   std::vector<float> reference_viscosity_;  // the same at the reference temperature
-  std::vector<float> pair_viscosity_;       // by i and j: the harmonic mean [m2/s]
+  std::vector<float> pair_viscosity_;       // by i and j: the harmonic mean
   std::vector<float> pair_scale_;           // times the weight's scale
   std::vector<float> wall_viscosity_;       // by i: the same times slip_
   struct Law {

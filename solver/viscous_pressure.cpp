@@ -23,12 +23,6 @@ constexpr float kLeastNeighbours = 6;
 // Smallest share with which a thread of four particles across can be drawn out to a quarter of its section.
 constexpr float kSpread = 0.01f;
 
-/// (W / W(spacing))^4, the kernel's support being two spacings. q: distance in spacings.
-Wide crowding(const Wide& q) {
-  const Wide outer = (2 - q).max(0.0f), inner = (1 - q).max(0.0f);
-  return (outer.cube() - 4 * inner.cube()).square().square();
-}
-
 bool is_loose(std::size_t i, const NeighbourLists& lists) {
   float sum = 0;
   for (const PairBlock& block : lists.of(i))
@@ -57,8 +51,9 @@ ViscousPressure::ViscousPressure(const FluidOptions& options)
     const bool thick = may_be || is_thick(viscosity, options);
     needed_ = needed_ || thick;
     const double most = may_be ? kMostThick * unit : std::min(viscosity, kMostThick * unit);
-    resistance_.push_back(thick ? static_cast<float>(kBulk * most) : 0);
-    least_.push_back(may_be ? static_cast<float>(kBulk * kThick * unit) : 0);
+    const double scale = kBulk * options.relative_mass(fluid);
+    resistance_.push_back(thick ? static_cast<float>(scale * most) : 0);
+    least_.push_back(may_be ? static_cast<float>(scale * kThick * unit) : 0);
   }
 }
 
@@ -78,7 +73,7 @@ void ViscousPressure::spread(FluidParticles& particles, const NeighbourLists& li
       sum_y += scale * y;
       sum_z += scale * z;
     }
-    particles.velocity[i] -= time_step * kSpread * sums(sum_x, sum_y, sum_z);
+    particles.velocity[i] -= time_step * kSpread / particles.mass(i) * sums(sum_x, sum_y, sum_z);
   });
 }
 

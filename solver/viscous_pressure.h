@@ -21,8 +21,9 @@ bool is_thick(double viscosity, const FluidOptions& options);
 /// that solve has left of compression (the rotational form of Guermond & Shen, "On the error estimates for
 /// the rotational pressure-correction projection methods", 2004; Cahouet & Chabard, 1988):
 ///   kappa <- kappa + kBulk nu D v,
-/// with D v the rate of compression after the viscous solve. kBulk nu is the resistance of this viscosity,
-/// whose pair forces have a second coefficient of viscosity as large as the first, to a change of volume.
+/// with D v the rate of compression after the viscous solve and nu the dynamic viscosity over the rest
+/// density of fluid 0, as kappa is the pressure. kBulk nu is the resistance of this viscosity, whose pair
+/// forces have a second coefficient of viscosity as large as the first, to a change of volume.
 ///
 /// The same rule lets kappa fall below 0 where liquid is pulled: without tension a thread would keep its
 /// radius as it is stretched, until its particles lose each other (Trouton, 1906: kappa = -nu times the rate
@@ -39,8 +40,8 @@ class ViscousPressure {
   /// Whether any fluid is thick; if none is, the functions below need not be called.
   bool needed() const { return needed_; }
 
-  /// Adds time_step [s] times the accelerations -kSpread sum_j V (t_i + t_j) (W_ij / W(spacing))^4 grad W_ij,
-  /// with t the negative of the least kappa (Monaghan, "SPH without a tensile instability", 2000).
+  /// Adds time_step [s] times the accelerations -kSpread / m_i sum_j V (t_i + t_j) (W_ij / W(spacing))^4 grad
+  /// W_ij, with t the negative of the least kappa; see crowding().
   void spread(FluidParticles& particles, const NeighbourLists& lists, float time_step) const;
 
   /// Notes kBulk nu D v, and which particles may pull. Precondition: compression_rates() are those of the

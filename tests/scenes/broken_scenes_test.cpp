@@ -141,6 +141,27 @@ TEST(GoodScenes, MaterialsAreFluids) {
   EXPECT_EQ(scene.materials, (std::vector<std::string>{"", "mud", "clay"}));
 }
 
+// [fluid] says the density of what does not say its own, [fluid]'s material included.
+TEST(GoodScenes, MaterialsHaveDensities) {
+  const std::string block = "[[fluid.block]]\nshape = \"sphere\"\nradius = 0.6\ncenter = ";
+  const std::string oil = "model = \"newtonian\"\ndynamic_viscosity = 0.8\n";
+  const std::string text =
+      "duration = 1.0\n[fluid]\nspacing = 0.5\ndensity = 500\nmaterial = \"oil\"\n" + block +
+      "[0, 0, 0]\n" + block + "[4, 0, 0]\nmaterial = \"tar\"\n" + block +
+      "[8, 0, 0]\ndynamic_viscosity = 0.8\n" + block + "[12, 0, 0]\nkinematic_viscosity = 0.002\n" +
+      "[[material]]\nname = \"oil\"\ndensity = 400\n" + oil + "[[material]]\nname = \"tar\"\n" + oil;
+  const Scene scene = load_scene(temporary_file("densities.toml", text));
+  std::vector<int> fluids;
+  for (const FluidBlock& b : scene.blocks) fluids.push_back(b.fluid);
+  EXPECT_EQ(fluids, (std::vector<int>{0, 1, 1, 2})) << "tar is 0.8 Pa s of 500 kg/m3";
+  EXPECT_EQ(scene.fluid.density, 400);
+  EXPECT_EQ(scene.fluid.viscosity(0), 0.002);
+  EXPECT_EQ(scene.fluid.rest_density(1), 500);
+  EXPECT_EQ(scene.fluid.viscosity(1), 0.0016);
+  EXPECT_EQ(scene.fluid.rest_density(2), 500) << "as thick as oil, but not as light";
+  EXPECT_EQ(scene.fluid.viscosity(2), 0.002);
+}
+
 TEST(GoodScenes, EmitterAloneIsAScene) {
   const std::string text =
       "duration = 1.0\n[fluid]\nspacing = 0.1\nkinematic_viscosity = 1.0\n"
@@ -168,11 +189,14 @@ TEST(GoodScenes, EveryKeyArrives) {
   EXPECT_EQ(fluid.viscosity(1), 7);
   EXPECT_EQ(scene.materials, (std::vector<std::string>{"", "", "paste", ""}));
   const auto paste = std::get<HerschelBulkley>(fluid.rheology(2));
-  EXPECT_DOUBLE_EQ(paste.yield_stress, 0.02);  // over 1200 kg/m3
-  EXPECT_DOUBLE_EQ(paste.consistency, 0.01);
+  EXPECT_EQ(fluid.rest_density(1), 1200);
+  EXPECT_EQ(fluid.rest_density(2), 600);
+  EXPECT_EQ(fluid.rest_density(3), 1200);
+  EXPECT_DOUBLE_EQ(paste.yield_stress, 0.04);  // over 600 kg/m3
+  EXPECT_DOUBLE_EQ(paste.consistency, 0.02);
   EXPECT_EQ(paste.index, 0.5);
   EXPECT_EQ(paste.regularisation, 25);
-  EXPECT_DOUBLE_EQ(fluid.viscosity(2), 0.02 * 25 + 0.01 * 5);
+  EXPECT_DOUBLE_EQ(fluid.viscosity(2), 0.04 * 25 + 0.02 * 5);
   EXPECT_DOUBLE_EQ(fluid.viscosity(3), 0.1);
   ASSERT_EQ(fluid.emitters.size(), 2u);
   const Emitter& emitter = fluid.emitters[0];

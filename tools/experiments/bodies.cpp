@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "solver/wall_bodies.h"
+#include "tools/experiments/sphere_in_jar.h"
 #include "tools/experiments/validation.h"
 #include "tools/io/files.h"
 #include "tools/pictures/plot.h"
@@ -134,13 +135,6 @@ FloatResult run_float(const Scene& scene) {
   return r;
 }
 
-/// Stokes' speed over that in a cylinder, for the ratio of their radii: good to 0.3 percent up to 0.6.
-double wall_correction(double ratio) {
-  const double above = 1 - 0.75857 * std::pow(ratio, 5);
-  return above / (1 - 2.1050 * ratio + 2.0865 * std::pow(ratio, 3) - 1.7068 * std::pow(ratio, 5) +
-                  0.72603 * std::pow(ratio, 6));
-}
-
 constexpr double kHeld = 0.4;  // until liquid has filled what the lattice leaves free at the jar [s]
 
 struct SinkResult {
@@ -226,11 +220,13 @@ Report validate_sinking_sphere(const ExperimentContext& context) {
   const Scene scene = load_scene(context.file);
   const auto& sphere = std::get<SphereShape>(scene.bodies.front().shape);
   const auto& block = std::get<BoxShape>(scene.blocks.front().shape);
-  const double ratio = sphere.radius / (edge(block, 0) / 2), g = scene.fluid.gravity.norm(),
-               excess = *scene.bodies.front().density / scene.fluid.density - 1;
-  const double stokes =
-                   2.0 / 9 * excess * g * sphere.radius * sphere.radius / scene.fluid.kinematic_viscosity,
-               known = stokes / wall_correction(ratio);
+  const SphereInJar jar{.radius = sphere.radius,
+                        .jar_radius = edge(block, 0) / 2,
+                        .excess_density = *scene.bodies.front().density - scene.fluid.density,
+                        .gravity = scene.fluid.gravity.norm(),
+                        .viscosity = scene.fluid.density * scene.fluid.kinematic_viscosity,
+                        .inner_viscosity = kInfinity};
+  const double known = jar.speed();
   const std::vector<double> whole{1, 0.8, 0.5}, factors = context.options.quick ? std::vector{1.0} : whole;
   Plot plot{"A sphere sinks in a jar", "path / radius", "speed / known speed", {}};
   std::vector<std::vector<double>> rows, speeds;
@@ -258,7 +254,8 @@ Report validate_sinking_sphere(const ExperimentContext& context) {
   report.introduction = fmt::format(
       "`{}`: a sphere of {:.3g} times the density of the liquid in a jar {:.3g} times as wide. Stokes' speed "
       "is {:.4g} m/s, that in the jar {:.4g} m/s.",
-      context.file.filename().string(), excess + 1, 1 / ratio, stokes, known);
+      context.file.filename().string(), 1 + jar.excess_density / scene.fluid.density,
+      jar.jar_radius / jar.radius, jar.unbounded_speed(), known);
   add_smaller(report, "spacing", spacings_text(scene, factors), spacings_text(scene, whole));
   report.statements = {judged(kSinksAtStokesSpeed, checks)};
   add_plots(report, context, context.name, std::vector{plot}, "Speed of the sphere on its way.");

@@ -28,6 +28,7 @@
 #include "tools/experiments/paper_map.h"
 #include "tools/experiments/plane_flow.h"
 #include "tools/experiments/rigid_figures.h"
+#include "tools/experiments/rising_drop.h"
 #include "tools/experiments/slump.h"
 #include "tools/experiments/validation.h"
 #include "tools/io/files.h"
@@ -214,6 +215,8 @@ std::span<const Experiment> experiments() {
                  "a box floats: Archimedes' level, and back to it", validate_floating_box},
       Experiment{"validate-sinking-sphere", "experiments/validate-sinking-sphere.toml",
                  "a sphere sinks in a jar: Stokes' speed between walls", validate_sinking_sphere},
+      Experiment{"validate-rising-drop", "experiments/validate-rising-drop.toml",
+                 "a light drop rises in a jar: Hadamard's speed between walls", validate_rising_drop},
       Experiment{"validate-spinning-body", "experiments/validate-spinning-body.toml",
                  "a body in a drop: momentum and energy of both", validate_spinning_body},
       Experiment{"validate-drop", "experiments/validate-drop.toml",

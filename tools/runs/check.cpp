@@ -47,15 +47,15 @@ struct ReferenceTemperature {
   std::optional<double> operator()(const auto& law) const { return law.reference_temperature; }
 };
 
-std::string viscosity_text(std::size_t number, const Scene& scene) {
+std::string material_text(std::size_t number, const Scene& scene) {
   const std::string& material = scene.materials[number];
   const bool newtonian = is_newtonian(scene.fluid.rheology(number));
   const std::optional<double> reference =
       std::visit(ReferenceTemperature(), scene.fluid.temperature_law(number));
-  return fmt::format("{}, kinematic viscosity {:.4g} m2/s{}{}",
+  return fmt::format("{}, density {:.6g} kg/m3, kinematic viscosity {:.4g} m2/s{}{}",
                      material.empty() ? "" : fmt::format(", material {}", material),
-                     scene.fluid.viscosity(number), newtonian ? "" : " at rest",
-                     reference ? fmt::format(" at {:.5g} K", *reference) : "");
+                     scene.fluid.rest_density(number), scene.fluid.viscosity(number),
+                     newtonian ? "" : " at rest", reference ? fmt::format(" at {:.5g} K", *reference) : "");
 }
 
 std::string temperature_text(const std::optional<double>& temperature) {
@@ -77,8 +77,8 @@ std::string heat_line(const std::optional<HeatOptions>& heat) {
 }
 
 /// Of a fluid that is not the scene's first.
-std::string other_viscosity_text(std::uint8_t number, const Scene& scene) {
-  return number == 0 ? "" : viscosity_text(number, scene);
+std::string other_material_text(std::uint8_t number, const Scene& scene) {
+  return number == 0 ? "" : material_text(number, scene);
 }
 
 /// Times `factor`: from the least to the most where it changes.
@@ -96,7 +96,7 @@ std::string emitter_line(const Emitter& emitter, const Scene& scene) {
                      vector_text(emitter.direction.normalized()),
                      speed_text(emitter, layer * fluid.spacing * fluid.spacing), layer,
                      emitter.profile == FlowProfile::parabolic ? ", parabolic profile" : "",
-                     emitter.motion.at_rest() ? "" : ", moving", other_viscosity_text(emitter.fluid, scene),
+                     emitter.motion.at_rest() ? "" : ", moving", other_material_text(emitter.fluid, scene),
                      temperature_text(emitter.temperature));
 }
 
@@ -120,12 +120,11 @@ std::string body_line(const SceneBody& body, double mass) {
 std::string liquid_lines(const PreparedScene& prepared) {
   const Scene& scene = prepared.scene;
   const FluidOptions& fluid = scene.fluid;
-  std::string text = fmt::format("  liquid    spacing {:.4g} m, density {:.6g} kg/m3{}\n", fluid.spacing,
-                                 fluid.density, viscosity_text(0, scene));
+  std::string text = fmt::format("  liquid    spacing {:.4g} m{}\n", fluid.spacing, material_text(0, scene));
   text += gravity_line(fluid);
   for (const FluidBlock& block : scene.blocks)
     text += fmt::format("    block   {}, moving at {} m/s{}{}\n", std::visit(ShapeText(), block.shape),
-                        vector_text(block.velocity), other_viscosity_text(block.fluid, scene),
+                        vector_text(block.velocity), other_material_text(block.fluid, scene),
                         temperature_text(block.temperature));
   for (const Emitter& emitter : scene.fluid.emitters) text += emitter_line(emitter, scene);
   for (std::size_t w = 0; w < scene.walls.size(); ++w)

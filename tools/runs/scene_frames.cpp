@@ -52,7 +52,7 @@ FrameReport SceneFrames::take_report(int frame) {
   metrics.taken_by_region = taken_text(taken);
   metrics.penetration_max =
       penetration_max(report.particles.particles.position, wall_distance_, scene_.fluid.spacing);
-  const Compression now = compression(report.particles.density, scene_.fluid.density);
+  const Compression now = compression(report.particles.density, simulation_.fluid().fluids(), scene_.fluid);
   metrics.density_error_mean = std::max(now.mean, since.density_error_mean);
   metrics.density_error_max = std::max(now.max, since.density_error_max);
   metrics.viscosity_error = since.viscosity_error;

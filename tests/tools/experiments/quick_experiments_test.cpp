@@ -346,6 +346,11 @@ TEST_F(QuickExperiment, ValidateSinkingSphere) {
   EXPECT_NEAR(value({{"spacing", "0.0025"}}, "error"), 0, 0.15);
 }
 
+TEST_F(QuickExperiment, ValidateRisingDrop) {
+  run("validate-rising-drop");
+  EXPECT_NEAR(value({{"spacing", "0.0025"}}, "error"), 0, 0.2);
+}
+
 TEST_F(QuickExperiment, ValidateSpinningBody) {
   run("validate-spinning-body");
   EXPECT_LT(value({}, "linear"), 1e-5);

@@ -18,9 +18,13 @@ TEST(LiquidMetrics, PenetrationIsTheDeepestCentreInSpacings) {
   EXPECT_EQ(penetration_max(inside, WallDistance({}), 0.1), 0) << "no walls";
 }
 
-TEST(LiquidMetrics, CompressionIgnoresExpansion) {
-  const std::vector<float> density{1000, 1010, 900, 1030};
-  const Compression c = compression(density, 1000);
+TEST(LiquidMetrics, CompressionIsOverTheFluidsOwnDensityAndIgnoresExpansion) {
+  FluidOptions two;
+  two.more_viscosities = {1};
+  two.more_densities = {500};
+  const std::vector<float> density{1000, 1010, 450, 515};
+  const std::vector<std::uint8_t> fluid{0, 0, 1, 1};
+  const Compression c = compression(density, fluid, two);
   EXPECT_NEAR(c.mean, 0.01, 1e-7);
   EXPECT_NEAR(c.max, 0.03, 1e-7);
 }
