@@ -6,7 +6,7 @@
 
 namespace kappaflow::test {
 
-/// I + dt L, column by column.
+/// m + dt L, column by column.
 inline Eigen::MatrixXd dense_system(const Liquid& liquid, float time_step, const ViscositySolver& solver) {
   const std::size_t n = liquid.particles.size();
   Eigen::MatrixXd matrix(3 * n, 3 * n);
