@@ -146,10 +146,10 @@ TEST(GoodScenes, MaterialsHaveDensities) {
   const std::string block = "[[fluid.block]]\nshape = \"sphere\"\nradius = 0.6\ncenter = ";
   const std::string oil = "model = \"newtonian\"\ndynamic_viscosity = 0.8\n";
   const std::string text =
-      "duration = 1.0\n[fluid]\nspacing = 0.5\ndensity = 500\nmaterial = \"oil\"\n" + block +
-      "[0, 0, 0]\n" + block + "[4, 0, 0]\nmaterial = \"tar\"\n" + block +
-      "[8, 0, 0]\ndynamic_viscosity = 0.8\n" + block + "[12, 0, 0]\nkinematic_viscosity = 0.002\n" +
-      "[[material]]\nname = \"oil\"\ndensity = 400\n" + oil + "[[material]]\nname = \"tar\"\n" + oil;
+      "duration = 1.0\n[fluid]\nspacing = 0.5\ndensity = 500\nmaterial = \"oil\"\n" + block + "[0, 0, 0]\n" +
+      block + "[4, 0, 0]\nmaterial = \"tar\"\n" + block + "[8, 0, 0]\ndynamic_viscosity = 0.8\n" + block +
+      "[12, 0, 0]\nkinematic_viscosity = 0.002\n" + "[[material]]\nname = \"oil\"\ndensity = 400\n" + oil +
+      "[[material]]\nname = \"tar\"\n" + oil;
   const Scene scene = load_scene(temporary_file("densities.toml", text));
   std::vector<int> fluids;
   for (const FluidBlock& b : scene.blocks) fluids.push_back(b.fluid);

@@ -21,6 +21,7 @@ constexpr int kTimes = 20;          // at which the drop is looked at
 
 const Claim kRises{"Hadamard 1911; Haberman & Sayre 1958", "A drop in a jar rises at the known speed.",
                    "Mean speed over the second half of the time, relative to the known one."};
+
 /// Liquid at rest in the jar, of which a ball is the drop.
 FluidSolver make_drop(const Scene& scene, const SphereShape& drop) {
   const PreparedScene prepared = prepare(scene);
@@ -33,6 +34,7 @@ FluidSolver make_drop(const Scene& scene, const SphereShape& drop) {
   advance(settling, kSettled);
   const std::vector<Vec3> position = settling.particles().position;
   std::vector<std::uint8_t> fluid;
+  fluid.reserve(position.size());
   for (const Vec3& x : position)
     fluid.push_back((x - drop.center).norm() < drop.radius ? scene.blocks[0].fluid : 0);
   return {scene.fluid, position, std::vector<Vec3>(position.size(), Vec3::Zero()), prepared.walls, fluid};
