@@ -155,18 +155,12 @@ bool Fluids::read_first(TomlTable& t) {
   if (!material) return false;
   options_.kinematic_viscosity = material->viscosity;
   options_.density = material->density;
-  add(*material, t);
+  add(*material);
   return true;
 }
 
 /// But for its viscosity and density, which are there.
-void Fluids::add(const Material& material, const TomlTable& t) {
-  const double least = options_.least_density(), most = options_.largest_density();
-  if (most > kMostDensityRatio * least)
-    throw InvalidInput(t.where(),
-                       fmt::format("liquids of {:.6g} and {:.6g} kg/m3 meet in the scene; allowed: "
-                                   "densities that differ by at most {:.6g} times",
-                                   least, most, kMostDensityRatio));
+void Fluids::add(const Material& material) {
   options_.rheologies.push_back(material.law);
   options_.temperature_laws.push_back(material.temperature_law);
   if (options_.heat) options_.heat->fluids.push_back(material.heat.value_or(*usual_heat_));
@@ -174,18 +168,37 @@ void Fluids::add(const Material& material, const TomlTable& t) {
   by_name_.push_back(material.is_told_by_name());
 }
 
-std::uint8_t Fluids::read(TomlTable& t) {
-  const std::optional<Material> material = stated(t);
-  if (!material) return 0;
-  if (const auto known = find(*material)) return static_cast<std::uint8_t>(*known);
+std::uint8_t Fluids::number_of(const Material& material, const TomlTable& t) {
+  if (const auto known = find(material)) return static_cast<std::uint8_t>(*known);
   if (options_.fluids() == kMaxFluids)
     throw InvalidInput(
         t.where(),
         fmt::format("the scene has more than {} different liquids; allowed: at most as many", kMaxFluids));
-  options_.more_viscosities.push_back(material->viscosity);
-  options_.more_densities.push_back(material->density);
-  add(*material, t);
+  options_.more_viscosities.push_back(material.viscosity);
+  options_.more_densities.push_back(material.density);
+  add(material);
   return static_cast<std::uint8_t>(options_.fluids() - 1);
+}
+
+std::uint8_t Fluids::read(TomlTable& t) {
+  const std::optional<Material> material = stated(t);
+  const std::uint8_t fluid = material ? number_of(*material, t) : std::uint8_t{0};
+  const double density = options_.rest_density(fluid);
+  for (const std::uint8_t other : in_use_) {
+    const auto [least, most] = std::minmax({density, options_.rest_density(other)});
+    if (!may_meet(least, most))
+      throw InvalidInput(t.where(),
+                         fmt::format("liquids of {:.6g} and {:.6g} kg/m3 meet in the scene; allowed: "
+                                     "densities that differ by at most {:.6g} times",
+                                     least, most, kMostDensityRatio));
+  }
+  in_use_.push_back(fluid);
+  return fluid;
+}
+
+void Fluids::finish() {
+  if (!in_use_.empty() && std::ranges::count(in_use_, 0) == 0)
+    options_.density = options_.rest_density(in_use_.front());
 }
 
 }  // namespace kappaflow

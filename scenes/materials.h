@@ -11,7 +11,7 @@
 
 namespace kappaflow {
 
-inline constexpr double kMaxDensity = 1e6;  // [kg/m3]
+inline constexpr double kMaxDensity = 1e6;  // [kg/m3]; keeps what is computed finite in single precision
 
 /// What a table states of its liquid.
 struct Material {
@@ -36,15 +36,20 @@ class Fluids {
 
   /// Reads kinematic_viscosity, dynamic_viscosity or material of [fluid]. False where none is there.
   bool read_first(TomlTable& t);
-  /// The number of the fluid that the table states, 0 where it states none.
+  /// The number of the fluid that a block or emitter states, 0 where it states none. Throws InvalidInput for
+  /// one whose density is too far from the others'.
   std::uint8_t read(TomlTable& t);
+  /// After the last of them: where there is none of the first fluid, it takes the density of one that there
+  /// is.
+  void finish();
 
   const FluidOptions& options() const { return options_; }
 
  private:
   std::optional<Material> stated(TomlTable& t) const;
   std::optional<std::size_t> find(const Material& material) const;
-  void add(const Material& material, const TomlTable& t);
+  std::uint8_t number_of(const Material& material, const TomlTable& t);
+  void add(const Material& material);
 
   FluidOptions& options_;
   std::vector<std::string>& names_;  // by fluid
@@ -52,6 +57,7 @@ class Fluids {
   double usual_density_;
   std::optional<HeatProperties> usual_heat_;
   std::vector<Material> materials_;
+  std::vector<std::uint8_t> in_use_;  // fluids of blocks and emitters
 };
 
 }  // namespace kappaflow

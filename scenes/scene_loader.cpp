@@ -138,6 +138,7 @@ void read_fluid(TomlTable t, std::vector<TomlTable> materials, Scene& scene) {
     fluid.emitters.push_back(read_emitter(std::move(table), fluids));
     fluid.emitters.back().source = static_cast<int>(blocks.size() + fluid.emitters.size() - 1);
   }
+  fluids.finish();
   if (blocks.empty() && std::ranges::none_of(fluid.emitters, [](const Emitter& e) { return e.start == 0; }))
     throw InvalidInput(t.where(),
                        "there is no liquid at the start; required: a [[fluid.block]], or a [[fluid.emitter]] "

@@ -122,7 +122,7 @@ struct FluidParticles {
     return bytes_of(id, position, velocity, viscous_velocity, viscous_acceleration, density_pressure,
                     divergence_pressure, least_pressure, fluid, led_by, temperature, source, density,
                     gradient_sum, gradient_square_sum, viscosity, wall_viscosity, scratch[0], scratch[1],
-                    scratch[2], scalar_scratch);
+                    scratch[2], scalar_scratch, mass_of_fluid);
   }
 
   /// Appends a particle without pressure; its id is the number of those made before.

@@ -66,6 +66,10 @@ struct Outflow {
 
 /// The largest ratio of the rest densities of two fluids. See docs/materials.md.
 constexpr double kMostDensityRatio = 100;
+/// Whether two densities are within that of each other, but for rounding.
+inline bool may_meet(double least, double most) {
+  return most <= kMostDensityRatio * least * (1 + 1e-9);
+}
 
 /// Options of the solver; SI units.
 struct FluidOptions {

@@ -17,14 +17,16 @@ namespace kappaflow {
 /// as fast as shear brings them together, without velocities:
 ///   dx_i = kShift e_i spacing^2 sum_j V c(r_ij) |F_ij| x_ij,
 /// with e the shear rate (shear_rate()) times the time step, at most kLargestStrain, and 0 near a free
-/// surface, where a particle touches a wall or is led, and in thin liquid; c: crowding(). Nothing moves by
-/// more than kLargestShift e_i spacing. Shifts against disorder are usual since Xu, Stansby & Laurence,
-/// "Accuracy and stability in incompressible SPH (ISPH) based on the projection method and a new approach"
-/// (2009); their size by the flow is that of Oger et al., "SPH accuracy improvement through the combination
-/// of a quasi-Lagrangian shifting transport velocity and consistent ALE formalisms" (2016).
+/// surface, where a particle touches a wall or is led, and in fluids that are thin at rest (or at their
+/// reference temperature); V F as in NeighbourLists, c: crowding(). Nothing moves by more than kLargestShift
+/// e_i spacing. Shifts against disorder are usual since Xu, Stansby & Laurence, "Accuracy and stability in
+/// incompressible SPH (ISPH) based on the projection method and a new approach" (2009); their size by the
+/// flow is that of Oger et al., "SPH accuracy improvement through the combination of a quasi-Lagrangian
+/// shifting transport velocity and consistent ALE formalisms" (2016).
 ///
-/// Only where liquids of different density meet: what moves them against each other is often a small part of
-/// the pressure. Velocities stay, and with them linear momentum; angular momentum does not quite.
+/// Only in scenes with liquids of different density, there in all thick liquid: what moves one against the
+/// other is often a small part of the pressure. Velocities stay, and with them linear momentum; the centre of
+/// mass, angular momentum and the energy of weight do not quite.
 class ParticleShift {
  public:
   explicit ParticleShift(const FluidOptions& options);

@@ -33,7 +33,7 @@ void check_densities(const FluidOptions& o) {
                             o.more_viscosities.size()));
   for (const double density : o.more_densities) require_positive(density, "density of a further fluid");
   const double least = o.least_density(), most = o.largest_density();
-  require_fluid(most <= kMostDensityRatio * least,
+  require_fluid(may_meet(least, most),
                 fmt::format("densities of {} and {} kg/m3; must differ by at most {} times", most, least,
                             kMostDensityRatio));
 }

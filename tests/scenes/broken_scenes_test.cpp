@@ -162,6 +162,20 @@ TEST(GoodScenes, MaterialsHaveDensities) {
   EXPECT_EQ(scene.fluid.viscosity(2), 0.002);
 }
 
+// What no block or emitter is of does not count.
+TEST(GoodScenes, LiquidThatIsNotThereHasNoDensity) {
+  const std::string text =
+      "duration = 1.0\n[fluid]\nspacing = 0.5\nkinematic_viscosity = 1.0\n[[fluid.block]]\nshape = "
+      "\"sphere\"\n"
+      "radius = 0.6\ncenter = [0, 0, 0]\nmaterial = \"gas\"\n[[material]]\nname = \"gas\"\ndensity = 0.57\n"
+      "model = \"newtonian\"\nkinematic_viscosity = 1e-3\n";
+  const FluidOptions fluid = load_scene(temporary_file("gas.toml", text)).fluid;
+  EXPECT_EQ(fluid.least_density(), 0.57);
+  EXPECT_EQ(fluid.largest_density(), 0.57);
+  EXPECT_TRUE(may_meet(0.57, 57)) << "100 times but for rounding";
+  EXPECT_FALSE(may_meet(0.57, 57.1));
+}
+
 TEST(GoodScenes, EmitterAloneIsAScene) {
   const std::string text =
       "duration = 1.0\n[fluid]\nspacing = 0.1\nkinematic_viscosity = 1.0\n"

@@ -1,11 +1,14 @@
 // Liquids of different density.
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <Eigen/Geometry>
 #include <limits>
 #include <optional>
+#include <sstream>
 
 #include "core/errors.h"
+#include "core/saved_state.h"
 #include "solver/fluid_solver.h"
 #include "solver/particle_shift.h"
 #include "solver/pressure.h"
@@ -15,6 +18,7 @@
 #include "tests/dense.h"
 #include "tests/solver/dense_system.h"
 #include "tests/solver/shapes.h"
+#include "tests/solver/streams.h"
 
 namespace kappaflow {
 namespace {
@@ -330,6 +334,57 @@ TEST(Densities, HeatWarmsByTheLiquidsOwnDensity) {
   while (solver.time() < 100) solver.step(100 - solver.time());
   // 300 K of four parts of the heat capacity, 400 K of one.
   for (const double t : solver.temperatures()) EXPECT_NEAR(t, 320, 0.05);
+}
+
+/// Two liquids and a third that flows in, of which one yields, with a body that is lighter than two of them.
+FluidSolver everything_at_once() {
+  FluidOptions o = options(0.5, 100);
+  o.more_viscosities = {0.5, 0.5};
+  o.more_densities = {100, 3000};
+  o.rheologies = {{}, HerschelBulkley{.yield_stress = 0.01, .consistency = 0.1}};
+  o.density_tolerance = 1e-4, o.divergence_tolerance = 1e-3;
+  o.surface_tension = 1;
+  Emitter emitter = test::downward(0.1, 1);
+  emitter.position = Vec3(0.85, 1.6, 0.85);
+  emitter.fluid = 2;
+  o.emitters = {emitter};
+  const RigidBody body{SolidWall(test::box_surface({0.3, 1.0, 0.3}, {0.7, 1.3, 0.7})), 500 * 0.4 * 0.4 * 0.3};
+  const auto points = test::block(Vec3::Zero(), {1, 0.9, 1}, kSpacing);
+  std::vector<std::uint8_t> fluid;
+  for (const Vec3& x : points) fluid.push_back(x.y() > 0.5);
+  return {o,
+          points,
+          std::vector<Vec3>(points.size(), Vec3::Zero()),
+          solid_walls(test::container(1, 1.8, 0.2)),
+          fluid,
+          {},
+          {},
+          {&body, 1}};
+}
+
+TEST(Densities, SameBitsWithAnyNumberOfThreadsAndAfterAStop) {
+  const auto run = [](std::size_t threads, bool stop) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    FluidSolver solver = everything_at_once();
+    for (int k = 0; k < 20; ++k) solver.step(1);
+    if (stop) {
+      std::stringstream state;
+      StateWriter(state, little_endian())(solver);
+      solver = everything_at_once();
+      StateReader archive(state);
+      archive(solver);
+    }
+    for (int k = 0; k < 20; ++k) solver.step(1);
+    return solver.particles();
+  };
+  const Particles one = run(1, false);
+  for (const Particles& other : {run(4, false), run(2, true)}) {
+    ASSERT_EQ(one.size(), other.size());
+    for (std::size_t i = 0; i < one.size(); ++i) {
+      ASSERT_EQ(one.position[i], other.position[i]) << i;
+      ASSERT_EQ(one.velocity[i], other.velocity[i]) << i;
+    }
+  }
 }
 
 TEST(Densities, MistakesAreRefused) {

@@ -99,8 +99,8 @@ double surface_speed(const Particles& now, const std::vector<Vec3>& start,
   return sum / count;
 }
 
-/// Steps go with the square of the spacing, so that the liquid is thick nowhere (solver/viscous_pressure.h):
-/// what is added to the pressure of thick liquid makes layers that rest on each other pair up.
+/// Steps go with the square of the spacing, so that the liquid is thick (solver/viscous_pressure.h) only
+/// where and when it has cooled: where all of it is from the start, layers that rest on each other pair up.
 Scene with_layers(const Scene& scene, double thickness, int layers) {
   Scene fine = with_spacing(scene, thickness / layers);
   fine.fluid.max_time_step *= std::pow(fine.fluid.spacing / scene.fluid.spacing, 2);
