@@ -180,15 +180,27 @@ bool precedes_rank(std::string text) {
   return std::ranges::count(kWords, lower_case({word, text.end()})) > 0;
 }
 
-/// Takes the numbers of ranks that the names differ in out of them.
+bool differ_in(const std::vector<NumberedName>& names, std::size_t n) {
+  return std::ranges::any_of(names, [&](const NumberedName& name) {
+    return value_of(name.digits[n], name.file) != value_of(names.front().digits[n], names.front().file);
+  });
+}
+
+bool differ_but_in(const std::vector<NumberedName>& names, std::size_t n) {
+  for (std::size_t other = 0; other < names.front().digits.size(); ++other)
+    if (other != n && differ_in(names, other)) return true;
+  return false;
+}
+
+/// Takes the numbers of ranks that the names differ in, beside another number, out of them.
 void take_ranks(std::vector<NumberedName>& names) {
   const NumberedName first = names.front();
   const auto same_texts = [&](const NumberedName& name) { return name.texts == first.texts; };
   if (!std::ranges::all_of(names, same_texts)) return;
   for (std::size_t n = first.digits.size(); n-- > 0;) {
     const auto rank = [&](const NumberedName& name) { return value_of(name.digits[n], name.file); };
-    const auto same = [&](const NumberedName& name) { return rank(name) == rank(names.front()); };
-    if (!precedes_rank(first.texts[n]) || std::ranges::all_of(names, same)) continue;
+    // What alone differs counts frames, whatever the word before it: domain_0, domain_1.
+    if (!precedes_rank(first.texts[n]) || !differ_in(names, n) || !differ_but_in(names, n)) continue;
     for (NumberedName& name : names) {
       name.rank = rank(name);
       name.texts[n] += name.texts[n + 1];
@@ -325,18 +337,37 @@ bool is_piece_of(const PvdEntry& first, const PvdEntry& part) {
          numbered(part.file).texts == numbered(first.file).texts;
 }
 
-/// The first part of each time that a .pvd lists, with the pieces of the same data set.
-FileSeries listed_files(const fs::path& pvd, const FileRange& range) {
-  std::vector<PvdEntry> entries;
-  std::vector<std::vector<fs::path>> pieces;
-  for (const PvdEntry& entry : read_pvd(pvd)) {
-    if (entry.part == 0) {
-      entries.push_back(entry);
-      pieces.push_back({pvd.parent_path() / entry.file});
-    } else if (!entries.empty() && is_piece_of(entries.back(), entry)) {
-      pieces.back().push_back(pvd.parent_path() / entry.file);
-    }
+/// A time of a .pvd.
+struct ListedFrame {
+  PvdEntry first;
+  std::vector<PvdEntry> parts;  // the first and those of the same data set
+};
+
+/// What has part 0 of each time, and the other parts of its data set, in whatever order they are listed.
+/// Throws InvalidInput where times have different numbers of them.
+std::vector<ListedFrame> listed_frames(const fs::path& pvd) {
+  const std::vector<PvdEntry> all = read_pvd(pvd);
+  std::vector<ListedFrame> frames;
+  const auto frame_of = [&](const PvdEntry& part) {
+    return std::ranges::find_if(frames, [&](const ListedFrame& f) { return is_piece_of(f.first, part); });
+  };
+  for (const PvdEntry& entry : all)
+    if (entry.part == 0 && frame_of(entry) == frames.end()) frames.push_back({entry, {}});
+  for (const PvdEntry& entry : all)
+    if (const auto frame = frame_of(entry); frame != frames.end()) frame->parts.push_back(entry);
+  for (ListedFrame& frame : frames) {
+    std::ranges::stable_sort(frame.parts, {}, &PvdEntry::part);
+    if (frame.parts.size() != frames.front().parts.size())
+      throw InvalidInput({pvd.string()},
+                         fmt::format("lists {} files at {} s, {}, but {} at {} s",
+                                     frames.front().parts.size(), frames.front().first.time,
+                                     frames.front().first.file, frame.parts.size(), frame.first.time));
   }
+  return frames;
+}
+
+FileSeries listed_files(const fs::path& pvd, const FileRange& range) {
+  std::vector<ListedFrame> entries = listed_frames(pvd);
   if (entries.size() < 2)
     throw InvalidInput(fmt::format("{} lists {}; a sequence takes two or more", pvd.string(),
                                    entries.empty() ? "no file" : "one file"));
@@ -347,9 +378,10 @@ FileSeries listed_files(const fs::path& pvd, const FileRange& range) {
   series.name = pvd.stem().string();
   series.stride = range.stride;
   for (const std::size_t k : kept) {
-    series.files.push_back(pieces[k].front());
-    series.pieces.push_back(std::move(pieces[k]));
-    series.times.push_back(entries[k].time);
+    std::vector<fs::path>& pieces = series.pieces.emplace_back();
+    for (const PvdEntry& part : entries[k].parts) pieces.push_back(pvd.parent_path() / part.file);
+    series.files.push_back(pieces.front());
+    series.times.push_back(entries[k].first.time);
   }
   forget_lone_pieces(series);
   return series;
@@ -366,10 +398,6 @@ FileSeries numbered_files(std::span<const std::string> patterns, const FileRange
   std::ranges::sort(names, {},
                     [](const NumberedName& name) { return std::tuple(name.number, name.rank, name.file); });
   join_pieces(names);
-  if (names.size() < 2)
-    throw InvalidInput(fmt::format("{} and {} are pieces of one frame; a sequence takes two or more",
-                                   names.front().pieces.front().string(),
-                                   names.front().pieces.back().string()));
   keep_range(names, range, [&](const NumberedName& name) { return varying.value(name.number); });
   FileSeries series;
   series.stride = range.stride;

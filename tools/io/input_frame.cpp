@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <initializer_list>
 #include <limits>
 #include <string_view>
@@ -98,11 +99,16 @@ void copy_names(const PointArray* array, const std::vector<std::size_t>& chosen,
   for (const std::size_t i : chosen) names.push_back(static_cast<int>(array->values[i]));
 }
 
-/// PySPH calls the smoothing length h, which elsewhere may be a height.
+/// PySPH calls the smoothing length h, which elsewhere may be a height. kappaflow's own files have sigma,
+/// which says something where it is not the same for all.
 const PointArray* find_radius(const std::vector<PointArray>& arrays) {
-  const PointArray* radius = find_array(arrays, kRadiusNames, 1);
-  if (radius == nullptr && find_array(arrays, {"gid"}, 1) != nullptr) radius = find_array(arrays, {"h"}, 1);
-  return radius;
+  if (const PointArray* radius = find_array(arrays, kRadiusNames, 1)) return radius;
+  if (find_array(arrays, {"gid"}, 1) != nullptr) return find_array(arrays, {"h"}, 1);
+  const PointArray* sigma = find_array(arrays, {"sigma"}, 1);
+  if (sigma == nullptr ||
+      std::ranges::adjacent_find(sigma->values, std::not_equal_to()) == sigma->values.end())
+    return nullptr;
+  return sigma;
 }
 
 /// An array that goes by the name of ids or velocities and cannot be them is a mistake, not another quantity.

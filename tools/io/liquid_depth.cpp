@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/bytes.h"
 #include "core/parallel.h"
@@ -91,6 +92,10 @@ void LiquidDepth::find_inside() {
         ++count[static_cast<std::size_t>(std::min(static_cast<double>(sum), kMost) / kBin)];
         ++all;
       }
+  if (all == 0) {  // there is no inside: all is near a surface
+    inside_ = std::numeric_limits<double>::infinity();
+    return;
+  }
   std::size_t bin = 0;
   for (std::size_t below = count[0]; 2 * below < all; below += count[bin]) ++bin;
   inside_ = kBin * (static_cast<double>(bin) + 0.5);

@@ -36,7 +36,7 @@ class Choice {
  public:
   Choice(const LiquidDepth& depth, std::span<const std::int64_t> before) : depth_(depth), before_(before) {}
 
-  void add(const InputFrame& piece) {
+  void add(InputFrame&& piece) {
     frame_.left_out += piece.left_out;
     frame_.all += piece.position.size();
     if (!frame_.time) frame_.time = piece.time;
@@ -45,6 +45,8 @@ class Choice {
     frame_.velocity_name = piece.velocity_name;
     frame_.radius_name = piece.radius_name;
     has_sources_ = has_sources_ && piece.source.size() == piece.position.size();
+    if (!has_sources_)
+      for (InputFrame* frame : {&piece, &frame_, &others_}) frame->source.clear();
     for (std::size_t i = 0; i < piece.position.size(); ++i) add(piece, i);
   }
 
@@ -57,7 +59,6 @@ class Choice {
     }
     std::ranges::sort(in_use_, {}, &Chosen::at);
     for (const Chosen& chosen : in_use_) copy(others_, chosen.at, frame_, chosen.zone);
-    if (!has_sources_) frame_.source.clear();
     if (!std::ranges::all_of(frame_.temperature, [](float t) { return std::isfinite(t); }))
       frame_.temperature.clear();
     return std::move(frame_);
@@ -167,7 +168,7 @@ InputFrame read_near_surface(std::span<const fs::path> files, double sigma,
   speed = std::deque<double>();
   depth.measure();
   Choice choice(depth, before);
-  for_each_piece(files, [&](InputFrame&& piece) { choice.add(piece); });
+  for_each_piece(files, [&](InputFrame&& piece) { choice.add(std::move(piece)); });
   InputFrame frame = choice.result();
   frame.fast_speed = fast;
   return frame;
@@ -195,17 +196,22 @@ FrameContent content_of(std::span<const fs::path> files) {
 double rough_spacing(std::span<const fs::path> files) {
   constexpr double kTolerance = 0.1;
   constexpr int kMostRounds = 4;
-  std::vector<double> found;
+  std::optional<double> of_largest;  // piece
+  std::size_t largest = 0;
   for_each_piece(files, [&](InputFrame&& piece) {
-    if (piece.position.empty()) return;
-    if (const auto spacing = spacing_around(piece.position, piece.position.size() / 2))
-      found.push_back(*spacing);
+    if (piece.position.size() <= largest) return;
+    const auto found = spacing_around(piece.position, piece.position.size() / 2);
+    if (!found) return;
+    of_largest = found;
+    largest = piece.position.size();
   });
-  if (found.empty()) throw InvalidInput({files.front().string()}, "has no spacing; say --sigma");
-  double spacing = *std::ranges::min_element(found);
+  const InvalidInput none({files.front().string()}, "has no spacing; say --sigma");
+  if (!of_largest) throw none;
+  double spacing = *of_largest;
   for (int round = 0; round < kMostRounds; ++round) {  // pieces that lie across one another are too thin
     const double expected = 64 * std::numbers::pi / 315 * 8,  // of (1 - r^2)^3 within two spacings
         inside = depth_of(files, 2 * spacing).inside(), correction = std::cbrt(expected / inside);
+    if (!(correction > 0)) throw none;
     if (std::abs(correction - 1) < kTolerance) break;
     spacing *= correction;
   }

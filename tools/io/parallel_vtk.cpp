@@ -36,7 +36,7 @@ std::vector<fs::path> pieces_of(const fs::path& file) {
     if (lower_case(piece.extension().string()) != ending)
       throw IoError(file.string(), fmt::format("its piece {} is no {}", one_line(source, 200), ending));
     if (std::error_code ignored; !fs::exists(piece, ignored))
-      throw IoError(file.string(), fmt::format("its piece {} is not there", piece.string()));
+      throw IoError(file.string(), fmt::format("its piece {} is not there", one_line(piece.string(), 400)));
   }
   return pieces;
 }

@@ -25,7 +25,7 @@ Coincidence coincident_particles(std::span<const Vec3> position);
 
 /// Which particles of large frames are kept.
 struct ParticleChoice {
-  static constexpr std::size_t kMany = 4'000'000;
+  static constexpr std::size_t kMany = 10'000'000;
 
   bool all = false;               ///< whatever there are
   std::size_t many = kMany;       ///< in frames of more only those near the surface

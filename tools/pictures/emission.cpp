@@ -25,6 +25,8 @@ FileSeries particle_files(const RunFrames& frames, int last) {
 
 bool is_fed(const RunFrames& frames) {
   if (!frames.has_particles()) return false;
+  // Of large frames those near the surface are kept: which these are says nothing of when they came.
+  if (!frames.particles(0).radius.empty()) return false;
   std::vector<std::int64_t> first = frames.particles(0).id, last = frames.particles(frames.count() - 1).id;
   std::ranges::sort(first);
   std::ranges::sort(last);
