@@ -287,29 +287,19 @@ class CommonOfPieces {
   std::size_t left_out_ = 0;
 };
 
-/// Sources that are whole numbers in some of the pieces only are something else.
-void append_sources(const InputFrame& piece, InputFrame& frame) {
-  if (frame.source.size() != frame.position.size() || piece.source.size() != piece.position.size())
-    frame.source.clear();
-  else
-    frame.source.insert(frame.source.end(), piece.source.begin(), piece.source.end());
-}
-
 void append(InputFrame&& piece, InputFrame& frame) {
   const std::size_t left_out = frame.left_out + piece.left_out;
   const std::optional<double> time = frame.time ? frame.time : piece.time;
   if (frame.position.empty()) {
     frame = std::move(piece);
   } else if (!piece.position.empty()) {
-    append_sources(piece, frame);
-    const auto add = [](const auto& from, auto& to) { to.insert(to.end(), from.begin(), from.end()); };
-    add(piece.position, frame.position);
-    add(piece.id, frame.id);
-    add(piece.velocity, frame.velocity);
-    add(piece.density, frame.density);
-    add(piece.pressure, frame.pressure);
-    add(piece.temperature, frame.temperature);
-    add(piece.radius, frame.radius);
+    // Sources that are whole numbers in some of the pieces only are something else.
+    if (frame.source.size() != frame.position.size() || piece.source.size() != piece.position.size()) {
+      frame.source.clear();
+      piece.source.clear();
+    }
+    for_each_array(piece, frame,
+                   [](const auto& from, auto& to) { to.insert(to.end(), from.begin(), from.end()); });
   }
   frame.left_out = left_out;
   frame.time = time;

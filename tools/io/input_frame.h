@@ -42,6 +42,19 @@ struct InputFrame {
   std::size_t left_out = 0;  ///< particles of walls, and copies that belong to other processors
 };
 
+/// Calls visit(from, to) for each array of the particles.
+template <class Visit>
+void for_each_array(const InputFrame& from, InputFrame& to, const Visit& visit) {
+  visit(from.position, to.position);
+  visit(from.id, to.id);
+  visit(from.velocity, to.velocity);
+  visit(from.density, to.density);
+  visit(from.pressure, to.pressure);
+  visit(from.temperature, to.temperature);
+  visit(from.source, to.source);
+  visit(from.radius, to.radius);
+}
+
 /// Reads a frame of one file or of several, the pieces that the ranks of a distributed solver wrote: their
 /// particles one after the other. By the ending of the name,
 ///   .vtk       legacy VTK, text or binary, polydata or unstructured grid (SPlisHSPlasH, DualSPHysics)

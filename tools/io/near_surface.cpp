@@ -18,19 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Calls visit(from, to) for each array of the particles.
-template <class Visit>
-void for_each_array(const InputFrame& from, InputFrame& to, const Visit& visit) {
-  visit(from.position, to.position);
-  visit(from.id, to.id);
-  visit(from.velocity, to.velocity);
-  visit(from.density, to.density);
-  visit(from.pressure, to.pressure);
-  visit(from.temperature, to.temperature);
-  visit(from.source, to.source);
-  visit(from.radius, to.radius);
-}
-
 /// Chooses particles, piece after piece.
 class Choice {
  public:
