@@ -14,9 +14,9 @@
 #include "solver/boundary.h"
 #include "solver/emitter.h"
 #include "solver/heat.h"
+#include "solver/isotropic_pressure.h"
 #include "solver/neighbours.h"
 #include "solver/outflow.h"
-#include "solver/particle_shift.h"
 #include "solver/pressure.h"
 #include "solver/rigid_bodies.h"
 #include "solver/start.h"
@@ -129,7 +129,7 @@ struct FluidSolver::State {
         pressure(o),
         viscous_pressure(o),
         tension(o),
-        shift(o),
+        isotropic(o),
         heat(o),
         emitters(o),
         outflows(o),
@@ -164,7 +164,7 @@ struct FluidSolver::State {
   PressureSolver pressure;
   ViscousPressure viscous_pressure;
   SurfaceTension tension;
-  ParticleShift shift;
+  IsotropicPressure isotropic;
   HeatSolver heat;
   Emitters emitters;
   Outflows outflows;
@@ -226,6 +226,7 @@ FluidStep FluidSolver::step(double time_left) {
   s.bodies.accelerate(gravity, done.time_step);
   s.tension.apply(s.particles, s.neighbours, dt);
   s.pressure.apply_last(s.particles, s.neighbours, dt, s.coupling());
+  if (s.isotropic.needed()) s.isotropic.apply(s.particles, s.neighbours, s.wall_sums, dt);
   const bool thick = s.viscous_pressure.needed();
   if (thick) s.viscous_pressure.spread(s.particles, s.neighbours, dt);
   done.seconds.forces = watch.lap();
@@ -247,7 +248,6 @@ FluidStep FluidSolver::step(double time_left) {
   s.check_viscosity(viscosity);
   s.check_pressure(density, "density", s.options.density_tolerance);
   s.check_motion(done.time_step);
-  if (s.shift.needed()) s.shift.apply(s.particles, s.neighbours, s.wall_sums, dt);
   move(s.particles, dt);
   s.outflows.take(s.particles);
   s.emit(s.time + done.time_step);

@@ -10,7 +10,6 @@
 #include "core/errors.h"
 #include "core/saved_state.h"
 #include "solver/fluid_solver.h"
-#include "solver/particle_shift.h"
 #include "solver/pressure.h"
 #include "solver/surface_tension.h"
 #include "solver/viscosity.h"
@@ -252,69 +251,6 @@ TEST(Densities, LayersRestAndTheirWeightsAddUp) {
     EXPECT_NEAR(layers.mean_at(0.75, layers.density), 1000 * r, 30 * r);
     EXPECT_NEAR(layers.mean_at(0.25, layers.density), 1000, 30);
   }
-}
-
-/// A block of two thick liquids on a floor, in shear, with two of its particles pushed together.
-struct ShearedBlock {
-  ShearedBlock() : o(options(10, 500)), liquid(make()) {}
-  Liquid make() {
-    std::vector<Vec3> points = test::block(Vec3::Zero(), Vec3::Constant(1.2), kSpacing);
-    std::vector<Vec3> velocity;
-    for (const Vec3& x : points) velocity.emplace_back(x.y(), 0, 0);
-    for (Vec3& x : points)
-      if ((x - Vec3(0.55, 0.65, 0.65)).norm() < 1e-6) x.x() += 0.4 * kSpacing;
-    std::vector<WallSample> floor;
-    for (double x = -0.3; x < 1.5; x += 0.08)
-      for (double z = -0.3; z < 1.5; z += 0.08) floor.push_back({Vec3(x, -0.03, z), Vec3::UnitY()});
-    Liquid made(points, velocity, static_cast<float>(kSpacing), floor);
-    for (std::size_t i = 0; i < points.size(); ++i)
-      made.particles.fluid[i] = made.particles.position[i].y() > 0.6f;
-    made.particles.mass_of_fluid = masses_of_fluids(o);
-    made.update();
-    return made;
-  }
-  /// Of the two that are too close.
-  float distance() const {
-    float least = 1;
-    for (const Vec4f& a : liquid.particles.position)
-      for (const Vec4f& b : liquid.particles.position)
-        if (&a != &b) least = std::min(least, (a - b).head<3>().norm());
-    return least;
-  }
-  void shift() { ParticleShift(o).apply(liquid.particles, liquid.lists, liquid.wall_sums, kTimeStep); }
-  FluidOptions o;
-  Liquid liquid;
-};
-
-TEST(ParticleShift, PartsWhatIsTooCloseWithinLiquidAndNothingElse) {
-  ShearedBlock block;
-  const FluidParticles before = block.liquid.particles;
-  const float close = block.distance();
-  block.shift();
-  EXPECT_GT(block.distance(), close + 0.1f * kTimeStep * 0.1f) << "of the shear of a step over a spacing";
-  for (std::size_t i = 0; i < before.size(); ++i) {
-    const Vec4f moved = block.liquid.particles.position[i] - before.position[i];
-    const float limit = 2 * kTimeStep * 1.1f * 0.1f;  // twice the strain, in spacings
-    EXPECT_LE(moved.norm(), limit);
-    const Vec4f& x = before.position[i];
-    const bool at_floor = block.liquid.wall_sums.touches(i), outside = before.density[i] < 0.9f;
-    if (at_floor || outside) {
-      EXPECT_EQ(moved.norm(), 0) << x.transpose();
-    }
-    EXPECT_EQ(block.liquid.particles.velocity[i], before.velocity[i]);
-  }
-}
-
-TEST(ParticleShift, IsForThickLiquidsOfDifferentDensity) {
-  EXPECT_TRUE(ParticleShift(options(10, 500)).needed());
-  EXPECT_FALSE(ParticleShift(options(10, 1000)).needed()) << "one density";
-  EXPECT_FALSE(ParticleShift(options(1e-3, 500)).needed()) << "thin";
-  ShearedBlock still;
-  for (Vec4f& v : still.liquid.particles.velocity) v = Vec4f(1, 2, 3, 0);
-  const std::vector<Vec4f> before = still.liquid.particles.position;
-  still.shift();
-  for (std::size_t i = 0; i < before.size(); ++i)
-    EXPECT_LT((still.liquid.particles.position[i] - before[i]).norm(), 1e-6f) << "without shear";
 }
 
 TEST(Densities, HeatWarmsByTheLiquidsOwnDensity) {

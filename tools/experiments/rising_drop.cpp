@@ -13,9 +13,7 @@
 namespace kappaflow {
 namespace {
 
-// The order of the particles resists by some percent of the pressure (ParticleShift), which is twice what the
-// drop's lack of weight is over its section.
-constexpr double kRiseLimit = 0.25;  // of the mean speed, relative to the known one
+constexpr double kRiseLimit = 0.15;  // of the mean speed, relative to the known one
 constexpr double kSettled = 0.4;     // liquid has then filled what the lattice leaves free at the jar [s]
 constexpr int kTimes = 20;           // at which the drop is looked at
 

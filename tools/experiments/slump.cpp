@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "tools/experiments/validation.h"
 #include "tools/io/files.h"
@@ -19,16 +20,19 @@ constexpr double kCreepLimit = 0.005;  // of the height in the last quarter of t
 
 const Claim kSlumpsAsFar{"Murata 1984; Pashias et al. 1996",
                          "The cylinder slumps as far as its yield stress lets it.",
-                         "Difference of the slump over the height from s = 1 - 2 t (1 - ln(2 t)), t the "
-                         "yield stress over rho g H."};
+                         "Difference of the slump over the height from s = 1 - y (1 - ln y), y = sqrt(3) "
+                         "times the yield stress over rho g H."};
 const Claim kStays{"kappaflow", "The heap stays.",
                    "Change of its height in the last quarter of the time, relative to the cylinder's."};
 
-/// s over the height. The layer at the depth z under the top carries rho g z; with the shear stress half of
-/// that it widens until it carries twice the yield stress, and what is above z = 2 t H does not yield. The
-/// layers slide on each other and on the plate without friction.
+/// s over the height. The layer at the depth z under the top carries rho g z; it widens until it carries what
+/// liquid that yields by the second invariant (von Mises) bears along one axis, sqrt(3) yield stresses, and
+/// what is above z = sqrt(3) t H does not yield. Murata and Pashias et al. let it yield by the largest shear
+/// stress (Tresca), with 2 in place of sqrt(3). The layers slide on each other and on the plate without
+/// friction.
 double known_slump(double t) {
-  return 1 - 2 * t * (1 - std::log(2 * t));
+  const double y = std::numbers::sqrt3 * t;
+  return 1 - y * (1 - std::log(y));
 }
 
 /// Of the highest particle within two spacings of the axis, and half a spacing.
