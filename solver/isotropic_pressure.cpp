@@ -15,33 +15,45 @@ namespace {
 // plane surface of a lattice has 0.85, disorder within liquid makes 0.96 at least.
 constexpr float kFreeSurface = 0.9f, kWithin = 0.97f;
 // The same for the gradient of density times the spacing, for liquid that is pulled is dense at its surface
-// too: there it is 0.5 to 0.6, within 0.25 at most.
-constexpr float kSurfaceGradient = 0.45f, kGradientWithin = 0.25f;
+// too: there it is 0.5 to 0.6, 0.37 where layers are 1.2 spacings apart; within it is 0.1 in the mean.
+constexpr float kSurfaceGradient = 0.35f, kGradientWithin = 0.2f;
 // Of viscosity * longest step / spacing^2: below it particles find their places by themselves.
 constexpr double kThin = 0.2;
-// Of |I - L|: more is liquid that comes apart. A lattice that is drawn out to 1.35 times its length has 0.37,
-// to 1.5 times 1.03.
-constexpr float kMostStrained = 1;
+// Of |I - L|: a lattice that is drawn out to 1.35 times its length has 0.37, to 1.5 times 1.1. At 1 and more
+// S, which is of the step before, would answer itself; from here on it fades, and is 0 at twice as much.
+constexpr float kMostStrained = 0.5f;
+// Of a particle's own kappa in its mean with its neighbours', which weigh 3 together.
+constexpr float kOwnWeight = 0.5f;
 
-Eigen::Matrix3f second_moment(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists) {
+struct Moments {
+  Eigen::Matrix3f second;  // M
+  float kappa;             // mean
+};
+
+/// With kappa_j in position[j].w, weighted by |V F_ij| x_ij^2.
+Moments moments(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists) {
   const Vec4f xi = particles.position[i];
   std::array<Wide, 6> sum;
   sum.fill(Wide::Zero());
+  Wide kappa = Wide::Zero();
   for (const PairBlock& block : lists.of(i)) {
     const WideVec xj = gather(particles.position, block);
     const Wide x = xi[0] - xj.x, y = xi[1] - xj.y, z = xi[2] - xj.z;
     const Wide weight = -lists.factor(block);
     const Wide wx = weight * x, wy = weight * y, wz = weight * z;
-    sum[0] += wx * x;
-    sum[1] += wy * y;
-    sum[2] += wz * z;
+    const Wide xx = wx * x, yy = wy * y, zz = wz * z;
+    sum[0] += xx;
+    sum[1] += yy;
+    sum[2] += zz;
     sum[3] += wy * z;
     sum[4] += wx * z;
     sum[5] += wx * y;
+    kappa += (xx + yy + zz) * xj.w;
   }
   const Vec4f d = sums(sum[0], sum[1], sum[2]), o = sums(sum[3], sum[4], sum[5]);
-  Eigen::Matrix3f m;
-  m << d[0], o[2], o[1], o[2], d[1], o[0], o[1], o[0], d[2];
+  Moments m;
+  m.second << d[0], o[2], o[1], o[2], d[1], o[0], o[1], o[0], d[2];
+  m.kappa = (kOwnWeight * xi[3] + kappa.sum()) / (kOwnWeight + m.second.trace());
   return m;
 }
 
@@ -96,17 +108,18 @@ void IsotropicPressure::apply(FluidParticles& particles, const NeighbourLists& l
   diagonal.resize(particles.size());
   other.resize(particles.size());
   parallel_for(particles.size(), [&](std::size_t i) {
+    particles.position[i][3] = particles.density_pressure[i] + particles.divergence_pressure[i];
+  });
+  parallel_for(particles.size(), [&](std::size_t i) {
     diagonal[i].setZero();
     other[i].setZero();
-    const float kappa = particles.density_pressure[i] + particles.divergence_pressure[i];
-    float share_of_it = kappa == 0 ? 0 : share(i, particles, walls);
-    if (!(share_of_it > 0)) return;
-    const Eigen::Matrix3f m = second_moment(i, particles, lists);
-    const Eigen::Matrix3f strained = Eigen::Matrix3f::Identity() - m.trace() / 3 * m.inverse();
+    const float within = share(i, particles, walls);
+    if (!(within > 0)) return;
+    const Moments m = moments(i, particles, lists);
+    const Eigen::Matrix3f strained = Eigen::Matrix3f::Identity() - m.second.trace() / 3 * m.second.inverse();
     const float size = strained.norm();
     if (!(size < 2 * kMostStrained)) return;  // or not a number: neighbours in one plane
-    share_of_it *= std::min(1.0f, 2 - size / kMostStrained);
-    const Eigen::Matrix3f s = share_of_it * kappa * strained;
+    const Eigen::Matrix3f s = within * std::min(1.0f, 2 - size / kMostStrained) * m.kappa * strained;
     diagonal[i] = {s(0, 0), s(1, 1), s(2, 2), 0};
     other[i] = {s(1, 2), s(0, 2), s(0, 1), 0};
   });

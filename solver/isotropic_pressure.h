@@ -19,10 +19,12 @@ namespace kappaflow {
 /// order, L_i grad W_ij with L_i = m M_i^-1 (Bonet & Lok, "Variational and momentum preservation aspects of
 /// smooth particle hydrodynamics formulations", 1999); m = tr M_i / 3 leaves what it does to the density. The
 /// difference is
-///   m_i a_i = sum_j (S_i + S_j) V F_ij x_ij,   S_i = kappa_i (I - L_i),
-/// by the last step's pressure, before viscosity acts. Pair forces are antisymmetric and S_i and M_i have the
-/// same axes, so linear and angular momentum are conserved to rounding. S_i is 0 near a free surface, where a
-/// particle touches a wall, and in liquid that is thin at rest (or at its reference temperature).
+///   m_i a_i = sum_j (S_i + S_j) V F_ij x_ij,   S_i = k_i (I - L_i),
+/// k the last step's kappa, of both solves, a mean over each particle's neighbours: what differs from one
+/// particle to the next is no pressure that strain could work against, and would feed itself. It acts before
+/// viscosity does. Pair forces are antisymmetric and S_i and M_i have the same axes, so linear and angular
+/// momentum are conserved to rounding. S_i is 0 near a free surface, where a particle touches a wall, and in
+/// liquid that is thin at rest (or at its reference temperature).
 class IsotropicPressure {
  public:
   explicit IsotropicPressure(const FluidOptions& options);

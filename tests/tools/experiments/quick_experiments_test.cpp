@@ -343,12 +343,12 @@ TEST_F(QuickExperiment, ValidateFloatingBox) {
 
 TEST_F(QuickExperiment, ValidateSinkingSphere) {
   run("validate-sinking-sphere");
-  EXPECT_NEAR(value({{"spacing", "0.0025"}}, "error"), 0, 0.15);
+  EXPECT_NEAR(value({{"spacing", "0.0025"}}, "error"), 0, 5.0 / 16);
 }
 
 TEST_F(QuickExperiment, ValidateRisingDrop) {
   run("validate-rising-drop");
-  EXPECT_NEAR(value({{"spacing", "0.0025"}}, "error"), 0, 0.25);
+  EXPECT_NEAR(value({{"spacing", "0.0025"}}, "error"), 0, 0.15);
 }
 
 TEST_F(QuickExperiment, ValidateSpinningBody) {
