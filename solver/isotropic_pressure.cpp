@@ -1,6 +1,5 @@
 #include "solver/isotropic_pressure.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -25,17 +24,21 @@ constexpr float kMostStrained = 0.5f;
 // Of a particle's own kappa in its mean with its neighbours', which weigh 3 together.
 constexpr float kOwnWeight = 0.5f;
 
+/// xx, yy, zz and yz, xz, xy of a symmetric matrix, padded.
+struct Symmetric {
+  Vec4f diagonal, other;
+};
+
 struct Moments {
-  Eigen::Matrix3f second;  // M
-  float kappa;             // mean
+  Symmetric second;  // M
+  float kappa;       // mean
 };
 
 /// With kappa_j in position[j].w, weighted by |V F_ij| x_ij^2.
 Moments moments(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists) {
   const Vec4f xi = particles.position[i];
-  std::array<Wide, 6> sum;
+  std::array<Wide, 7> sum;
   sum.fill(Wide::Zero());
-  Wide kappa = Wide::Zero();
   for (const PairBlock& block : lists.of(i)) {
     const WideVec xj = gather(particles.position, block);
     const Wide x = xi[0] - xj.x, y = xi[1] - xj.y, z = xi[2] - xj.z;
@@ -48,16 +51,25 @@ Moments moments(std::size_t i, const FluidParticles& particles, const NeighbourL
     sum[3] += wy * z;
     sum[4] += wx * z;
     sum[5] += wx * y;
-    kappa += (xx + yy + zz) * xj.w;
+    sum[6] += (xx + yy + zz) * xj.w;
   }
-  const Vec4f d = sums(sum[0], sum[1], sum[2]), o = sums(sum[3], sum[4], sum[5]);
-  Moments m;
-  m.second << d[0], o[2], o[1], o[2], d[1], o[0], o[1], o[0], d[2];
-  m.kappa = (kOwnWeight * xi[3] + kappa.sum()) / (kOwnWeight + m.second.trace());
-  return m;
+  const Moments m{{sums(sum[0], sum[1], sum[2]), sums(sum[3], sum[4], sum[5])}, sum[6].sum()};
+  return {m.second, (kOwnWeight * xi[3] + m.kappa) / (kOwnWeight + m.second.diagonal.sum())};
 }
 
-// S in FluidParticles::scratch: xx, yy, zz; and yz, xz, xy.
+/// I - tr(m) / 3 m^-1; without a finite number where m is singular.
+Symmetric strained(const Symmetric& m) {
+  const Vec4f &d = m.diagonal, &o = m.other;
+  const auto products = [](const Vec4f& v) {  // yz, xz, xy
+    return Vec4f(shuffled<1, 2, 0, 3>(v).cwiseProduct(shuffled<2, 0, 1, 3>(v)));
+  };
+  const Vec4f cofactor = products(d) - o.cwiseProduct(o), others = products(o) - d.cwiseProduct(o);
+  const float determinant = d[0] * cofactor[0] + o[2] * others[2] + o[1] * others[1];
+  const float scale = d.sum() / (3 * determinant);
+  return {Vec4f(1, 1, 1, 0) - scale * cofactor, -scale * others};
+}
+
+// S in FluidParticles::scratch.
 std::vector<Vec4f>& diagonals(FluidParticles& particles) {
   return particles.scratch[0];
 }
@@ -65,22 +77,23 @@ std::vector<Vec4f>& others(FluidParticles& particles) {
   return particles.scratch[1];
 }
 
-/// sum_j (S_i + S_j) V F_ij x_ij
+/// sum_j (S_i + S_j) V F_ij x_ij. Where S_i is not 0 there is no wall, and sum_j V F_ij x_ij is gradient_sum.
 Vec4f force(std::size_t i, const FluidParticles& particles, const NeighbourLists& lists,
             const std::vector<Vec4f>& diagonal, const std::vector<Vec4f>& other) {
-  const Vec4f xi = particles.position[i], di = diagonal[i], oi = other[i];
+  const Vec4f xi = particles.position[i];
   Wide sum_x = Wide::Zero(), sum_y = Wide::Zero(), sum_z = Wide::Zero();
   for (const PairBlock& block : lists.of(i)) {
     const WideVec xj = gather(particles.position, block);
-    const WideVec dj = gather(diagonal, block), oj = gather(other, block);
+    const WideVec d = gather(diagonal, block), o = gather(other, block);
     const Wide factor = lists.factor(block);
     const Wide x = factor * (xi[0] - xj.x), y = factor * (xi[1] - xj.y), z = factor * (xi[2] - xj.z);
-    const Wide yz = oi[0] + oj.x, xz = oi[1] + oj.y, xy = oi[2] + oj.z;
-    sum_x += (di[0] + dj.x) * x + xy * y + xz * z;
-    sum_y += xy * x + (di[1] + dj.y) * y + yz * z;
-    sum_z += xz * x + yz * y + (di[2] + dj.z) * z;
+    sum_x += d.x * x + o.z * y + o.y * z;
+    sum_y += o.z * x + d.y * y + o.x * z;
+    sum_z += o.y * x + o.x * y + d.z * z;
   }
-  return sums(sum_x, sum_y, sum_z);
+  const Vec4f &g = particles.gradient_sum[i], &o = other[i];
+  return sums(sum_x, sum_y, sum_z) + diagonal[i].cwiseProduct(g) +
+         Vec4f(o[2] * g[1] + o[1] * g[2], o[2] * g[0] + o[0] * g[2], o[1] * g[0] + o[0] * g[1], 0);
 }
 
 }  // namespace
@@ -116,12 +129,12 @@ void IsotropicPressure::apply(FluidParticles& particles, const NeighbourLists& l
     const float within = share(i, particles, walls);
     if (!(within > 0)) return;
     const Moments m = moments(i, particles, lists);
-    const Eigen::Matrix3f strained = Eigen::Matrix3f::Identity() - m.second.trace() / 3 * m.second.inverse();
-    const float size = strained.norm();
+    const Symmetric unlike = strained(m.second);
+    const float size = std::sqrt(unlike.diagonal.squaredNorm() + 2 * unlike.other.squaredNorm());
     if (!(size < 2 * kMostStrained)) return;  // or not a number: neighbours in one plane
-    const Eigen::Matrix3f s = within * std::min(1.0f, 2 - size / kMostStrained) * m.kappa * strained;
-    diagonal[i] = {s(0, 0), s(1, 1), s(2, 2), 0};
-    other[i] = {s(1, 2), s(0, 2), s(0, 1), 0};
+    const float kappa = within * std::min(1.0f, 2 - size / kMostStrained) * m.kappa;
+    diagonal[i] = kappa * unlike.diagonal;
+    other[i] = kappa * unlike.other;
   });
   parallel_for(particles.size(), [&](std::size_t i) {
     if (particles.led_by[i] != 0) return;
