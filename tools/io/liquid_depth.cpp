@@ -10,8 +10,9 @@
 namespace kappaflow {
 namespace {
 
-constexpr double kFull = 0.75;                             // of the sum inside: less is taken for surface
-constexpr std::array kWidths{3, 2, 4, 6};                  // of the zones but the last [steps]
+constexpr double kFull = 0.75;             // of the sum inside: less is taken for surface
+constexpr std::array kWidths{3, 2, 4, 6};  // of the zones but the last [steps]
+constexpr std::size_t kOfParticle = 200;   // bytes of one that is kept, with ids and velocities
 constexpr std::int64_t kFarthest = std::int64_t{1} << 20;  // from the origin: keys have 21 bits an axis
 
 std::int64_t block_with(std::int64_t node) {
@@ -47,49 +48,64 @@ std::array<float, LiquidDepth::kNodes>& LiquidDepth::sums_of(const Node& block) 
 }
 
 void LiquidDepth::add(std::span<const Vec3> position) {
-  constexpr int kReach = 2;  // steps: a sigma
   for (const Vec3& x : position) {
-    const Node centre = node_at(x);
-    const Vec3 offset = x / step_ - Vec3(static_cast<double>(centre[0]), static_cast<double>(centre[1]),
-                                         static_cast<double>(centre[2]));
-    Node first, last;
-    for (int a = 0; a < 3; ++a) {
-      first[a] = block_with(centre[a] - kReach);
-      last[a] = block_with(centre[a] + kReach);
+    if (scattered_) return;
+    add(x);
+    ++added_;
+    if (sums_.size() * sizeof(sums_[0]) > free_ + kOfParticle * added_) give_up();
+  }
+}
+
+void LiquidDepth::give_up() {
+  scattered_ = true;
+  block_of_.clear();
+  block_ = std::vector<Node>();
+  sums_ = std::deque<std::array<float, kNodes>>();
+}
+
+void LiquidDepth::add(const Vec3& x) {
+  constexpr int kReach = 2;  // steps: a sigma
+  const Node centre = node_at(x);
+  const Vec3 offset = x / step_ - Vec3(static_cast<double>(centre[0]), static_cast<double>(centre[1]),
+                                       static_cast<double>(centre[2]));
+  Node first, last;
+  for (int a = 0; a < 3; ++a) {
+    first[a] = block_with(centre[a] - kReach);
+    last[a] = block_with(centre[a] + kReach);
+  }
+  const auto nodes = [&](std::int64_t block, int a, const auto& visit) {
+    const std::int64_t begin = std::max(block * kSide, centre[a] - kReach),
+                       end = std::min(block * kSide + kSide - 1, centre[a] + kReach);
+    for (std::int64_t n = begin; n <= end; ++n) {
+      const double d = static_cast<double>(n - centre[a]) - offset[a];
+      visit(static_cast<std::size_t>(n - block * kSide), 0.25 * d * d);
     }
-    const auto nodes = [&](std::int64_t block, int a, const auto& visit) {
-      const std::int64_t begin = std::max(block * kSide, centre[a] - kReach),
-                         end = std::min(block * kSide + kSide - 1, centre[a] + kReach);
-      for (std::int64_t n = begin; n <= end; ++n) {
-        const double d = static_cast<double>(n - centre[a]) - offset[a];
-        visit(static_cast<std::size_t>(n - block * kSide), 0.25 * d * d);
-      }
-    };
-    for (Node b{0, 0, first[2]}; b[2] <= last[2]; ++b[2])
-      for (b[1] = first[1]; b[1] <= last[1]; ++b[1])
-        for (b[0] = first[0]; b[0] <= last[0]; ++b[0]) {
-          std::array<float, kNodes>& sums = sums_of(b);
-          nodes(b[2], 2, [&](std::size_t k, double z2) {
-            nodes(b[1], 1, [&](std::size_t j, double y2) {
-              nodes(b[0], 0, [&](std::size_t i, double x2) {
-                const double u = std::max(0.0, 1 - x2 - y2 - z2);
-                sums[(k * kSide + j) * kSide + i] += static_cast<float>(u * u * u);
-              });
+  };
+  for (Node b{0, 0, first[2]}; b[2] <= last[2]; ++b[2])
+    for (b[1] = first[1]; b[1] <= last[1]; ++b[1])
+      for (b[0] = first[0]; b[0] <= last[0]; ++b[0]) {
+        std::array<float, kNodes>& sums = sums_of(b);
+        nodes(b[2], 2, [&](std::size_t k, double z2) {
+          nodes(b[1], 1, [&](std::size_t j, double y2) {
+            nodes(b[0], 0, [&](std::size_t i, double x2) {
+              const double u = std::max(0.0, 1 - x2 - y2 - z2);
+              sums[(k * kSide + j) * kSide + i] += static_cast<float>(u * u * u);
             });
           });
-        }
-  }
+        });
+      }
 }
 
 /// That of which there are most nodes among those above a sum that only the inside has.
 void LiquidDepth::find_inside() {
-  constexpr double kBin = 0.05, kLeast = 1.5, kMost = 60;
-  std::vector<std::size_t> count(static_cast<std::size_t>(kMost / kBin) + 1);
+  constexpr double kBin = 0.01, kLeast = 1.5, kMost = 1e6;  // kBin: of the logarithm
+  std::vector<std::size_t> count(static_cast<std::size_t>(std::log(kMost / kLeast) / kBin) + 1);
   std::size_t all = 0;
   for (const auto& sums : sums_)
     for (const float sum : sums)
       if (static_cast<double>(sum) > kLeast) {
-        ++count[static_cast<std::size_t>(std::min(static_cast<double>(sum), kMost) / kBin)];
+        ++count[static_cast<std::size_t>(std::log(std::min(static_cast<double>(sum), kMost) / kLeast) /
+                                         kBin)];
         ++all;
       }
   if (all == 0) {  // there is no inside: all is near a surface
@@ -98,7 +114,7 @@ void LiquidDepth::find_inside() {
   }
   std::size_t bin = 0;
   for (std::size_t below = count[0]; 2 * below < all; below += count[bin]) ++bin;
-  inside_ = kBin * (static_cast<double>(bin) + 0.5);
+  inside_ = kLeast * std::exp(kBin * (static_cast<double>(bin) + 0.5));
 }
 
 /// Marks the nodes that have a marked one within so many along the axis. Outside of all blocks each is.

@@ -15,13 +15,18 @@
 namespace kappaflow {
 
 /// The sum of Eq. 12's kernels on a sparse lattice, half a sigma wide, and what follows from it: some 5 bytes
-/// a particle while particles are added, and one after that, where they are as dense as usual.
+/// a particle while particles are added, and one after that, where they are as dense as usual. One that is
+/// alone takes some 10 KB; where the lattice takes more than a gigabyte and the particles themselves would,
+/// there is no depth to speak of, it is given up, and all is near a surface.
 class LiquidDepth {
  public:
-  /// sigma: support radius [m].
-  explicit LiquidDepth(double sigma) : step_(0.5 * sigma) {}
+  /// sigma: support radius [m]. free: what the lattice may take whatever is in it [bytes].
+  explicit LiquidDepth(double sigma, std::size_t free = std::size_t{1} << 30)
+      : step_(0.5 * sigma), free_(free) {}
 
   void add(std::span<const Vec3> position);
+  /// Whether it is given up.
+  bool scattered() const { return scattered_; }
   /// Once all particles are added.
   void measure();
 
@@ -42,12 +47,16 @@ class LiquidDepth {
 
   static std::uint64_t key_of(const Node& block);
   Node node_at(const Vec3& x) const;
+  void add(const Vec3& x);
+  void give_up();
   std::array<float, kNodes>& sums_of(const Node& block);
   void find_inside();
   void dilate(int axis, int radius, const std::vector<Marks>& from, std::vector<Marks>& to) const;
   static void fit_to_cubes(Marks& zones);
 
   double step_;  // [m]
+  std::size_t free_, added_ = 0;
+  bool scattered_ = false;
   double inside_ = 0;
   std::unordered_map<std::uint64_t, std::uint32_t> block_of_;
   std::vector<Node> block_;

@@ -196,8 +196,10 @@ double rough_spacing(std::span<const fs::path> files) {
   if (!of_largest) throw none;
   double spacing = *of_largest;
   for (int round = 0; round < kMostRounds; ++round) {  // pieces that lie across one another are too thin
+    const LiquidDepth depth = depth_of(files, 2 * spacing);
+    if (depth.scattered()) break;
     const double expected = 64 * std::numbers::pi / 315 * 8,  // of (1 - r^2)^3 within two spacings
-        inside = depth_of(files, 2 * spacing).inside(), correction = std::cbrt(expected / inside);
+        correction = std::cbrt(expected / depth.inside());
     if (!(correction > 0)) throw none;
     if (std::abs(correction - 1) < kTolerance) break;
     spacing *= correction;

@@ -12,8 +12,8 @@ namespace kappaflow {
 ///   those of the zones surface, middle and inner (see LiquidDepth): each of them;
 ///   of those in the depth one for each cube, which stands for the others there: the one nearest to its
 ///   middle; those whose ids are among `before` (ascending), the frame's before: to end where they went.
-/// InputFrame::zone says which is which. sigma: support radius of the field [m]. Throws what
-/// read_input_frame() throws.
+/// InputFrame::zone says which is which. Where particles are scattered so widely that none is deep, it is all
+/// of them. sigma: support radius of the field [m]. Throws what read_input_frame() throws.
 InputFrame read_near_surface(std::span<const std::filesystem::path> files, double sigma,
                              std::span<const std::int64_t> before);
 

@@ -106,6 +106,41 @@ TEST_F(NearSurface, FindsTheSpacingByItself) {
   EXPECT_NEAR(rough_spacing(frame_of(cube(40, Vec3::Constant(-1), 0))), kH, 0.1 * kH);
 }
 
+// Spray: blocks around every one of its particles would take a hundred times as much as they do.
+TEST_F(NearSurface, GivesUpWhereParticlesAreScattered) {
+  const Particles body = cube(20, Vec3::Constant(-1), 0);
+  std::vector<Vec3> spray;
+  for (int i = 0; i < 4000; ++i) spray.emplace_back(100 + 20 * kH * i, 0, 0);
+  constexpr std::size_t kFree = 1 << 22;  // 4 MB: a few hundred of them
+  LiquidDepth both(2 * kH, kFree);
+  both.add(body.position);
+  EXPECT_FALSE(both.scattered());
+  both.add(spray);
+  EXPECT_TRUE(both.scattered());
+  EXPECT_LT(both.bytes(), std::size_t{1} << 16);
+  both.add(body.position);
+  both.measure();
+  EXPECT_EQ(both.zone(Vec3::Constant(10 * kH)), Zone::surface);
+  LiquidDepth few(2 * kH, kFree);
+  few.add(body.position);
+  few.add(std::span(spray).first(100));
+  few.measure();
+  EXPECT_FALSE(few.scattered());
+  EXPECT_GT(few.zone(Vec3::Constant(10 * kH)), Zone::surface);
+}
+
+// A sigma of many spacings: more particles under each kernel.
+TEST_F(NearSurface, KnowsTheInsideOfWideKernelsToo) {
+  const Particles all = cube(80, Vec3::Constant(-1), 0);
+  for (const double ratio : {2.0, 3.0, 6.0}) {
+    LiquidDepth depth(ratio * kH);
+    depth.add(all.position);
+    depth.measure();
+    const double expected = 64 * std::numbers::pi / 315 * ratio * ratio * ratio;
+    EXPECT_NEAR(depth.inside(), expected, 0.06 * expected) << ratio;
+  }
+}
+
 // In bulk: 4 bytes a node for the sums and 1 for the zone, nodes a spacing apart.
 TEST_F(NearSurface, TakesAFewBytesAParticle) {
   const Particles all = cube(96, Vec3::Constant(-1), 0);
