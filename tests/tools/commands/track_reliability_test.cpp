@@ -183,6 +183,23 @@ const std::vector<SequenceKind> kSequenceKinds{
                          csv_text(moved_block(kBodyMotion, image_time(k)), true, true));
      },
      {"--fps", "33.3", "--kernels", "anisotropic", "--velocity", "material,regional"}},
+    {"particlesInPieces",
+     [](int k, const fs::path& stem) {
+       const Particles block = moved_block(kBodyMotion, image_time(k));
+       bool written = true;
+       for (std::size_t rank = 0; rank < 3; ++rank) {
+         Particles piece;
+         for (std::size_t i = rank; i < block.size(); i += 3) {
+           piece.id.push_back(block.id[i]);
+           piece.position.push_back(block.position[i]);
+           piece.velocity.push_back(block.velocity[i]);
+         }
+         written = written &&
+                   write_text(fmt::format("{}_rank{}.csv", stem.string(), rank), csv_text(piece, true, true));
+       }
+       return written;
+     },
+     {"--fps", "33.3", "--velocity", "material,regional"}},
     {"obj",
      [](int k, const fs::path& stem) {
        return write_text(with_ending(stem, ".obj"), obj_of_box(image_time(k), 0.06));
@@ -209,7 +226,7 @@ TEST_P(StoppedSequence, GoesOnToTheSameBits) {
   expect_same_results(folder / "whole", out);
 }
 
-INSTANTIATE_TEST_SUITE_P(OfImagesAndMeshes, StoppedSequence, ::testing::ValuesIn(kSequenceKinds),
+INSTANTIATE_TEST_SUITE_P(OfEveryKind, StoppedSequence, ::testing::ValuesIn(kSequenceKinds),
                          [](const auto& kind) { return std::string(kind.param.name); });
 
 }  // namespace
