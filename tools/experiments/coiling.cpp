@@ -33,9 +33,9 @@ const Claim kThreadRadius{"Ribe 2004", "It is as thick in the coil.",
 
 // In the first the frequency goes with the height to the power -0.8, in the second with its power 0.1: those
 // of the theory for viscous and for gravitational coiling are -1 and 0. The first turn and a half, on the
-// bare plate, are wider than the others.
+// bare plate, are wider than the others, and a thread under its weight may fold before it coils.
 constexpr std::array kRegimes{FallingRegime{"viscous", 0.1, 1.0, 1.6, 3.4},
-                              FallingRegime{"gravitational", 0.05, 9.81, 1.2, 2.8}};
+                              FallingRegime{"gravitational", 0.05, 9.81, 1.8, 4.0}};
 
 struct CoilingResult {
   const FallingRegime* regime;
