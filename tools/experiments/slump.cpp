@@ -18,7 +18,7 @@ namespace {
 constexpr double kSlumpLimit = 0.07;
 constexpr double kCreepLimit = 0.005;  // of the height in the last quarter of the time, likewise
 
-const Claim kSlumpsAsFar{"Murata 1984; Pashias et al. 1996",
+const Claim kSlumpsAsFar{"after Murata 1984; Pashias et al. 1996",
                          "The cylinder slumps as far as its yield stress lets it.",
                          "Difference of the slump over the height from s = 1 - y (1 - ln y), y = sqrt(3) "
                          "times the yield stress over rho g H."};
