@@ -1,6 +1,7 @@
 #include "surface/tracker/origin_map.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
@@ -17,6 +18,9 @@ constexpr double kLeastShare = 0.1;  // [1] of the weight in reach: a side with 
 // [sigma] standard error of an origin: with less it is known, with more it is a guess, as that of a sheet
 // thinner than the particles' spacing, which says little of what is above it.
 constexpr double kKnown = 0.2, kGuess = 0.4;
+// [1] so few beside another side are what liquid that was drawn out has left there.
+constexpr double kTorn = 3;
+constexpr double kUnfelt = 1.25;   // [1] stretch that counts as none
 constexpr double kParameters = 4;  // of an affine map, a component
 constexpr double kAcross =
     3;  // [1] strain across a sheet, which its particles do not show, over that along it
@@ -101,12 +105,12 @@ OriginFit fitted_origin(const Vec3& x, std::span<const OriginMap::Voter> voters,
 }
 
 /// Of the origin that a fit says, its three components together [m2]; see OriginMap::at().
-double variance_of(const OriginFit& fit, const Vec3& x, std::span<const OriginMap::Voter> voters, int side,
+double variance_of(const OriginFit& fit, const Vec3& x, const OriginMap::Voters& voters, int side,
                    double sigma) {
   const Eigen::Vector4d row = fit.moment.solve(Eigen::Vector4d::Unit(0));
   double leverage = 0, strained = 0, rigid = 0, weight2 = 0;
   Vec3 unseen = Vec3::Zero();
-  for_each_voter(voters, side, x, fit.rotation, sigma,
+  for_each_voter(voters.all, side, x, fit.rotation, sigma,
                  [&](double weight, const Eigen::Vector4d& at, const Vec3& moved) {
                    const double vote = weight * row.dot(at);
                    leverage += vote * vote;
@@ -116,9 +120,19 @@ double variance_of(const OriginFit& fit, const Vec3& x, std::span<const OriginMa
                    weight2 += weight * weight;
                  });
   const double count = fit.weight * fit.weight / weight2;  // as if all weighed alike (Kish 1965)
+  if (count <= kTorn && voters.sides.size() > 1) return kInfinity;
   const double deviation = count > kParameters + 1 ? strained / (1 - kParameters / count) : rigid;
   return leverage * deviation / fit.weight +
          kAcross * kAcross * unseen.squaredNorm() * fit.motion.bottomRows<3>().squaredNorm();
+}
+
+/// By how much more than kUnfelt liquid has been drawn out since its origin, in the direction in which that
+/// is most; at least 1.
+double stretch_of(const OriginFit& fit, double sigma) {
+  const Mat3 gradient = fit.rotation + fit.motion.bottomRows<3>().transpose() / sigma;  // of origin by place
+  const Eigen::SelfAdjointEigenSolver<Mat3> squares(gradient * gradient.transpose(), Eigen::EigenvaluesOnly);
+  constexpr double kLeast = 1e-6;  // what has been drawn out a million times is not known any better
+  return std::max(1.0, 1 / (kUnfelt * std::sqrt(std::max(squares.eigenvalues()[0], kLeast * kLeast))));
 }
 
 /// How much of the difference between a vertex's own origin and a fit's is taken over.
@@ -203,7 +217,8 @@ std::optional<Origin> OriginMap::at(const Vec3& x, const Origin& own, Voters& vo
     difference2 = distance2;
   }
   if (nearest_side < 0 || !(nearest.weight > kLeastShare * all)) return std::nullopt;
-  const double variance = variance_of(nearest, x, voters.all, nearest_side, sigma_);
+  const double stretch = stretch_of(nearest, sigma_),
+               variance = stretch * stretch * variance_of(nearest, x, voters, nearest_side, sigma_);
   const Vec3 correction = x + nearest.shift() - own.position;
   return Origin{own.position + correction_share(difference2, variance, sigma_) * correction,
                 voters.sides[nearest_side].source};

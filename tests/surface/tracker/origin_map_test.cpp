@@ -200,6 +200,43 @@ TEST(OriginMap, FewParticlesAndSheetsAreGuessesUnlessTheyMoveAsOne) {
   EXPECT_LT(correction(sheet, drawn_out), 0.1 * whole);
 }
 
+// A particle whose origin is far from its neighbours' is what liquid that was drawn out has left there.
+TEST(OriginMap, OneThatIsTornFromTheOthersIsAGuess) {
+  Particles particles = block(13);
+  const Vec3 x = particles.position[300] + Vec3(0.1, 0, 0.1) * kSigma, far(5, 0, 0);
+  std::vector<Vec3> origin = particles.position;
+  origin[300] += far;
+  OriginMap::Voters voters;
+  const Vec3 own = x + far + Vec3(0.3, 0, 0) * kSigma;
+  const OriginMap torn(particles, origin, {}, kSigma);
+  const Origin kept = torn.at(x, {own, kUnknownSource}, voters).value();
+  EXPECT_EQ(kept.position, own);
+  EXPECT_LT((torn.at(x, {x, kUnknownSource}, voters).value().position - x).norm(), 1e-12) << "many are known";
+}
+
+// What is 0.15 sigma at the origin is 0.15 sigma now, or eight times that.
+TEST(OriginMap, DrawnOutLiquidIsKnownLess) {
+  const Particles particles = block(14);
+  std::mt19937 random(15);
+  std::normal_distribution<double> normal(0, 0.15 * kSigma);
+  std::vector<Vec3> noise;
+  for (std::size_t i = 0; i < particles.size(); ++i)
+    noise.emplace_back(normal(random), normal(random), normal(random));
+  const Vec3 x(0.02, 0.01, 0.3), drift(0, 2 * kSigma, 0);
+  const auto taken = [&](double stretch) {
+    const auto back = [&](const Vec3& y) -> Vec3 { return Vec3(y.x() / stretch, y.y(), stretch * y.z()); };
+    std::vector<Vec3> origin = mapped(particles.position, back);
+    for (std::size_t i = 0; i < origin.size(); ++i) origin[i] += noise[i];
+    OriginMap::Voters voters;
+    const Vec3 own = back(x) + drift;
+    const OriginMap map(particles, origin, {}, kSigma);
+    return (map.at(x, {own, kUnknownSource}, voters).value().position - own).norm() / drift.norm();
+  };
+  EXPECT_GT(taken(1), 0.9);
+  EXPECT_GT(taken(1.2), 0.9);
+  EXPECT_EQ(taken(8), 0);
+}
+
 // Each particle within a link of the next, the last more than that from the first.
 TEST(OriginMap, LiquidThatWasDrawnOutIsOneSide) {
   const Particles particles = block(4);
