@@ -133,7 +133,7 @@ void keep_at_depth(Candidates& candidates, std::span<const SolidWall> walls, dou
 
 /// The numbers below n in pseudo-random order. What they are scrambled to is computed at each comparison: to
 /// keep it beside them would add twelve bytes a candidate.
-std::vector<std::uint32_t> shuffled(std::size_t n) {
+std::vector<std::uint32_t> random_order(std::size_t n) {
   std::vector<std::uint32_t> numbers(n);
   std::iota(numbers.begin(), numbers.end(), 0u);
   std::ranges::sort(numbers, {}, [](std::uint32_t i) { return split_mix(i); });
@@ -151,7 +151,7 @@ std::vector<WallSample> poisson_disk_subset(const Candidates& candidates, double
   std::vector<std::uint32_t> place(points.size());
   for (std::size_t k = 0; k < cell_order.size(); ++k) place[cell_order[k]] = static_cast<std::uint32_t>(k);
   std::vector<WallSample> samples;
-  for (const std::uint32_t i : shuffled(points.size())) {
+  for (const std::uint32_t i : random_order(points.size())) {
     bool free = true;
     grid.ranges_near(points[i], distance, [&](std::uint32_t begin, std::uint32_t end) {
       for (std::uint32_t k = begin; k < end && free; ++k)

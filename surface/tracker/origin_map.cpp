@@ -18,7 +18,7 @@ constexpr double kLeastShare = 0.1;  // [1] of the weight in reach: a side with 
 // [sigma] standard error of an origin: with less it is known, with more it is a guess, as that of a sheet
 // thinner than the particles' spacing, which says little of what is above it.
 constexpr double kKnown = 0.2, kGuess = 0.4;
-// [1] so few beside another side are what liquid that was drawn out has left there.
+// [1] so few beside another side of their source are what liquid that was drawn out has left there.
 constexpr double kTorn = 3;
 constexpr double kUnfelt = 1.25;   // [1] stretch that counts as none
 constexpr double kParameters = 4;  // of an affine map, a component
@@ -120,7 +120,9 @@ double variance_of(const OriginFit& fit, const Vec3& x, const OriginMap::Voters&
                    weight2 += weight * weight;
                  });
   const double count = fit.weight * fit.weight / weight2;  // as if all weighed alike (Kish 1965)
-  if (count <= kTorn && voters.sides.size() > 1) return kInfinity;
+  const auto of_its_source =
+      std::ranges::count(voters.sides, voters.sides[side].source, &OriginMap::Side::source);
+  if (count <= kTorn && of_its_source > 1) return kInfinity;
   const double deviation = count > kParameters + 1 ? strained / (1 - kParameters / count) : rigid;
   return leverage * deviation / fit.weight +
          kAcross * kAcross * unseen.squaredNorm() * fit.motion.bottomRows<3>().squaredNorm();

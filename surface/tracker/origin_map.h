@@ -54,11 +54,12 @@ class OriginMap {
   ///   s^2 = q^2 (sum c_i^2 r^2 / (1 - 4/n) + (3 |sum c_i (x_i - x)/sigma| |B|)^2),
   /// with r the weighted RMS deviation of the side's particles from their fit and n = (sum w_i)^2 / sum
   /// w_i^2, their number if all weighed alike; up to n = 5 the first term is sum c_i^2 r_0^2, with r_0 the
-  /// deviation from a rigid motion, and up to n = 3 s is infinite where another side is in reach: so few are
-  /// what liquid that was drawn out has left there, and say nothing of what is between them. The second term
-  /// is for what particles in a plane leave open. q = max(1, 0.8/l), with l the least singular value of the
-  /// gradient R + B/sigma of the origin: where liquid has been drawn out, an error of the origin is one of
-  /// 1/l times as much in its place now. What O - own has beyond the error of O is own's:
+  /// deviation from a rigid motion, and up to n = 3 s is infinite where another side of its source is in
+  /// reach: so few are what liquid that was drawn out has left there, and say nothing of what is between
+  /// them. The second term is for what particles in a plane leave open. q = max(1, 0.8/l), with l the least
+  /// singular value of the gradient R + B/sigma of the origin: where liquid has been drawn out, an error of
+  /// the origin is one of 1/l times as much in its place now. What O - own has beyond the error of O is
+  /// own's:
   ///   g = max(0, 1 - (s^2/3)/|O - own|^2) min(max((0.4 sigma - s)/(0.2 sigma), 0), 1).
   /// The first factor is that of James & Stein 1961 in three dimensions; the second keeps own where O is a
   /// guess. nullopt where that side weighs less than a tenth of all.

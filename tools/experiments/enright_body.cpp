@@ -37,7 +37,7 @@ EnrightShape::EnrightShape(double time, double resolution) : time_(time) {
 double EnrightShape::distance(const Vec3& x) const {
   const double to_reference = std::abs(solid_->nearest(x).distance);
   const Projected projected =
-      project(EnrightField(time_), x, {.tolerance = 1e-6, .reach = 10, .iterations = 50});
+      project(EnrightField(time_), x, {.tolerance = 1e-6, .reach = 10, .iterations = 15});
   return projected.converged ? std::min(to_reference, (projected.position - x).norm()) : to_reference;
 }
 

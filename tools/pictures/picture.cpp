@@ -38,13 +38,13 @@ constexpr int kSamples = 2;                                       // of a pixel 
 constexpr double kOcclusionReach = 0.06, kOcclusionBias = 0.004;  // of what fills the panel
 constexpr unsigned int kOcclusionSamples = 64;
 constexpr int kRim = 8;  // samples that are drawn and left out: there the occlusion is that of the other side
-constexpr double kTitleHeight = 0.09, kGap = 0.012;  // of a panel
-constexpr int kLeastTitle = 40;                      // [pixels]
-constexpr double kViewAngle = 24;                    // [degrees] from bottom to top
-constexpr double kGlass = 0.12;                      // opacity of walls in the way
-constexpr double kBarHeight = 0.15;                  // of a panel's
-constexpr int kLightPixels = 1024;                   // along an edge of what the key light sees
-constexpr double kAmbient = 0.38, kDiffuse = 0.7;    // of all that is lit
+constexpr double kTitleHeight = 0.09, kPanelGap = 0.012;  // of a panel
+constexpr int kLeastTitle = 40;                           // [pixels]
+constexpr double kViewAngle = 24;                         // [degrees] from bottom to top
+constexpr double kGlass = 0.12;                           // opacity of walls in the way
+constexpr double kBarHeight = 0.15;                       // of a panel's
+constexpr int kLightPixels = 1024;                        // along an edge of what the key light sees
+constexpr double kAmbient = 0.38, kDiffuse = 0.7;         // of all that is lit
 // The key light comes from above, beside the viewer, so that shadows are seen; the fill light from the other
 // side.
 constexpr double kKeyLight = 0.8, kFillLight = 0.5;
@@ -147,7 +147,7 @@ void aim(vtkRenderer& renderer, const Framing& framing, const PictureStyle& styl
   renderer.ResetCameraClippingRange();
 }
 
-void add_walls(vtkRenderer& renderer, const Walls& walls) {
+void add_walls(vtkRenderer& renderer, const DrawnWalls& walls) {
   if (walls.solid) renderer.AddActor(wall_actor(*walls.solid, 1));
   if (!walls.glass || walls.glass->GetNumberOfCells() == 0) return;
   renderer.AddActor(wall_actor(*walls.glass, kGlass));
@@ -158,7 +158,7 @@ void add_walls(vtkRenderer& renderer, const Walls& walls) {
   renderer.AddActor(edges);
 }
 
-void fill_panel(vtkRenderer& renderer, vtkPolyData& surface, const Walls& walls, const Framing& framing,
+void fill_panel(vtkRenderer& renderer, vtkPolyData& surface, const DrawnWalls& walls, const Framing& framing,
                 const PictureStyle& style) {
   renderer.SetBackground(1, 1, 1);
   renderer.AddActor(surface_actor(surface, style));
@@ -272,8 +272,9 @@ int share(double of_panel, int size) {
 }
 
 /// The surface among the walls and in its shadow, with kSamples pixels for one along each axis, and a rim.
-vtkSmartPointer<vtkImageData> surface_image(vtkPolyData& surface, const Walls& walls, const Framing& framing,
-                                            const PictureStyle& style, int width, int height) {
+vtkSmartPointer<vtkImageData> surface_image(vtkPolyData& surface, const DrawnWalls& walls,
+                                            const Framing& framing, const PictureStyle& style, int width,
+                                            int height) {
   DepthImage depths;
   auto image = drawn(
       kSamples * width + 2 * kRim, kSamples * height + 2 * kRim,
@@ -296,10 +297,10 @@ vtkSmartPointer<vtkImageData> flat_image(int width, int height, const Fill& fill
 }
 
 /// From (left, below) on: the surface among the walls, its title above.
-void put_panel(const Panel& panel, const Walls& walls, const std::optional<Framing>& framing,
+void put_panel(const Panel& panel, const DrawnWalls& walls, const std::optional<Framing>& framing,
                const PictureStyle& style, int left, int below, vtkImageData& picture) {
   const int title = std::max(kLeastTitle, share(kTitleHeight, style.panel_height)),
-            gap = share(kGap, style.panel_width), width = style.panel_width - 2 * gap,
+            gap = share(kPanelGap, style.panel_width), width = style.panel_width - 2 * gap,
             height = style.panel_height - title;
   vtkPolyData* const alone[] = {panel.surface.Get()};
   const Framing here = framing ? *framing : kappaflow::framing(alone, style.view, 0);
@@ -322,7 +323,7 @@ void write_png(vtkImageData& picture, const std::filesystem::path& file) {
 
 }  // namespace
 
-void draw_picture(const std::filesystem::path& file, std::span<const Panel> panels, const Walls& walls,
+void draw_picture(const std::filesystem::path& file, std::span<const Panel> panels, const DrawnWalls& walls,
                   const std::optional<Framing>& framing, const PictureStyle& style) {
   if (file.extension() != ".png")
     throw InvalidInput(fmt::format("found \"{}\"; expected a file name that ends in .png", file.string()));

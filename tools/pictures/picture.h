@@ -33,7 +33,7 @@ struct PictureStyle {
 };
 
 /// What stands around the liquid; null: nothing.
-struct Walls {
+struct DrawnWalls {
   vtkSmartPointer<vtkPolyData> solid, glass;  ///< glass: what is in the way; its edges are drawn
 };
 
@@ -41,7 +41,7 @@ struct Walls {
 /// that each surface fills its own), and below them the colour bar of all.
 /// Throws InvalidInput unless the file's name ends in .png, IoError where there is no display or the file
 /// cannot be written.
-void draw_picture(const std::filesystem::path& file, std::span<const Panel> panels, const Walls& walls,
+void draw_picture(const std::filesystem::path& file, std::span<const Panel> panels, const DrawnWalls& walls,
                   const std::optional<Framing>& framing, const PictureStyle& style);
 
 }  // namespace kappaflow

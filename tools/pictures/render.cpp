@@ -145,7 +145,7 @@ void Drawing::draw(const fs::path& file, int frame) const {
   const Surfaces drawn = surfaces(frame);
   for (std::size_t m = 0; m < drawn.size(); ++m)
     panels.push_back({fmt::format("{},  t = {:.2f} s", frames_.methods()[m], time_of(*drawn[m])), drawn[m]});
-  Walls around;
+  DrawnWalls around;
   if (const auto here = frames_.walls(frame))
     around = {part_of(*here, hiding_, false), part_of(*here, hiding_, true)};
   draw_picture(file, panels, around, framing_[static_cast<std::size_t>(frame - first_)], style_);

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr double kFollowed = 0.5;  // how far a camera that follows looks ahead and back [s]
 constexpr double kSpray = 0.002;   // share of a surface's vertices that may lie outside at each side
-constexpr double kMargin = 1.1;    // around the liquid
+constexpr double kRoom = 1.1;      // around the liquid
 
 std::vector<std::string> chosen_methods(const fs::path& folder, const std::vector<std::string>& chosen,
                                         const Json::Value& record) {
@@ -106,7 +106,7 @@ double time_of(vtkPolyData& surface) {
 
 Framing liquid_framing(std::span<vtkPolyData* const> surfaces, const View& view) {
   Framing liquid = framing(surfaces, view, kSpray);
-  liquid.half *= kMargin;
+  liquid.half *= kRoom;
   return liquid;
 }
 
