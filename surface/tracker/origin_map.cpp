@@ -18,9 +18,8 @@ constexpr double kLeastShare = 0.1;  // [1] of the weight in reach: a side with 
 // [sigma] standard error of an origin: with less it is known, with more it is a guess, as that of a sheet
 // thinner than the particles' spacing, which says little of what is above it.
 constexpr double kKnown = 0.2, kGuess = 0.4;
-// [1] so few beside another side of their source are what liquid that was drawn out has left there.
-constexpr double kTorn = 3;
-constexpr double kUnfelt = 1.25;   // [1] stretch that counts as none
+constexpr double kTorn = 3;        // [1] a torn side of so few voters is a guess
+constexpr double kUnfelt = 1.25;   // [1] stretch by which an error is no larger
 constexpr double kParameters = 4;  // of an affine map, a component
 constexpr double kAcross =
     3;  // [1] strain across a sheet, which its particles do not show, over that along it
@@ -104,6 +103,16 @@ OriginFit fitted_origin(const Vec3& x, std::span<const OriginMap::Voter> voters,
   return fit;
 }
 
+/// Whether another side of the same source is here.
+bool is_torn(const OriginMap::Voters& voters, int side) {
+  double all = 0;
+  for (const OriginMap::Side& other : voters.sides) all += other.weight;
+  const OriginMap::Side& own = voters.sides[side];
+  return std::ranges::any_of(voters.sides, [&](const OriginMap::Side& other) {
+    return &other != &own && other.source == own.source && other.weight > kLeastShare * all;
+  });
+}
+
 /// Of the origin that a fit says, its three components together [m2]; see OriginMap::at().
 double variance_of(const OriginFit& fit, const Vec3& x, const OriginMap::Voters& voters, int side,
                    double sigma) {
@@ -120,20 +129,18 @@ double variance_of(const OriginFit& fit, const Vec3& x, const OriginMap::Voters&
                    weight2 += weight * weight;
                  });
   const double count = fit.weight * fit.weight / weight2;  // as if all weighed alike (Kish 1965)
-  const auto of_its_source =
-      std::ranges::count(voters.sides, voters.sides[side].source, &OriginMap::Side::source);
-  if (count <= kTorn && of_its_source > 1) return kInfinity;
+  if (count <= kTorn && is_torn(voters, side)) return kInfinity;
   const double deviation = count > kParameters + 1 ? strained / (1 - kParameters / count) : rigid;
   return leverage * deviation / fit.weight +
          kAcross * kAcross * unseen.squaredNorm() * fit.motion.bottomRows<3>().squaredNorm();
 }
 
-/// By how much more than kUnfelt liquid has been drawn out since its origin, in the direction in which that
-/// is most; at least 1.
+/// How many times kUnfelt liquid has been drawn out since its origin, in the direction in which that is most;
+/// at least 1.
 double stretch_of(const OriginFit& fit, double sigma) {
   const Mat3 gradient = fit.rotation + fit.motion.bottomRows<3>().transpose() / sigma;  // of origin by place
   const Eigen::SelfAdjointEigenSolver<Mat3> squares(gradient * gradient.transpose(), Eigen::EigenvaluesOnly);
-  constexpr double kLeast = 1e-6;  // what has been drawn out a million times is not known any better
+  constexpr double kLeast = 1e-6;  // what has been drawn out more than a million times counts as so much
   return std::max(1.0, 1 / (kUnfelt * std::sqrt(std::max(squares.eigenvalues()[0], kLeast * kLeast))));
 }
 

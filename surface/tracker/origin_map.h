@@ -51,18 +51,19 @@ class OriginMap {
   std::optional<Origin> at(const Vec3& x, Voters& voters) const;
   /// own and the side whose origin O is nearest to it, of those of own.source where that is known, taken
   /// together: own + g (O - own). The variance of O = sum c_i (X_i - ...) is
-  ///   s^2 = q^2 (sum c_i^2 r^2 / (1 - 4/n) + (3 |sum c_i (x_i - x)/sigma| |B|)^2),
+  ///   v = sum c_i^2 r^2 / (1 - 4/n) + (3 |sum c_i (x_i - x)/sigma| |B|)^2,
   /// with r the weighted RMS deviation of the side's particles from their fit and n = (sum w_i)^2 / sum
   /// w_i^2, their number if all weighed alike; up to n = 5 the first term is sum c_i^2 r_0^2, with r_0 the
-  /// deviation from a rigid motion, and up to n = 3 s is infinite where another side of its source is in
-  /// reach: so few are what liquid that was drawn out has left there, and say nothing of what is between
-  /// them. The second term is for what particles in a plane leave open. q = max(1, 0.8/l), with l the least
-  /// singular value of the gradient R + B/sigma of the origin: where liquid has been drawn out, an error of
-  /// the origin is one of 1/l times as much in its place now. What O - own has beyond the error of O is
-  /// own's:
+  /// deviation from a rigid motion. The second term is for what particles in a plane leave open. Where liquid
+  /// has been drawn out, an error of the origin is one of up to 1/l times as much in its place now, with l
+  /// the least singular value of the origin's gradient R + B/sigma. So O counts as if its error were
+  ///   s = max(1, 0.8/l) sqrt(v);
+  /// a stretch of 1/0.8 makes none larger. s is infinite up to n = 3 where another side of the same source is
+  /// here: so few are what liquid that was drawn out has left, and say nothing of what is between them
+  /// (liquids whose sources are unknown are of one). What O - own has beyond s is own's:
   ///   g = max(0, 1 - (s^2/3)/|O - own|^2) min(max((0.4 sigma - s)/(0.2 sigma), 0), 1).
-  /// The first factor is that of James & Stein 1961 in three dimensions; the second keeps own where O is a
-  /// guess. nullopt where that side weighs less than a tenth of all.
+  /// The first factor is that of James & Stein 1961 in three dimensions for the error s; the second keeps own
+  /// where O is a guess. nullopt where that side weighs less than a tenth of all.
   std::optional<Origin> at(const Vec3& x, const Origin& own, Voters& voters) const;
 
  private:
