@@ -105,11 +105,9 @@ OriginFit fitted_origin(const Vec3& x, std::span<const OriginMap::Voter> voters,
 
 /// Whether another side of the same source is here.
 bool is_torn(const OriginMap::Voters& voters, int side) {
-  double all = 0;
-  for (const OriginMap::Side& other : voters.sides) all += other.weight;
   const OriginMap::Side& own = voters.sides[side];
   return std::ranges::any_of(voters.sides, [&](const OriginMap::Side& other) {
-    return &other != &own && other.source == own.source && other.weight > kLeastShare * all;
+    return &other != &own && other.source == own.source && other.weight > kLeastShare * voters.weight;
   });
 }
 
@@ -199,6 +197,8 @@ void OriginMap::find_sides(const Vec3& x, Voters& voters) const {
     spread_side(k, kLink * kLink * sigma_ * sigma_, voters);
   }
   for (const Voter& voter : voters.all) voters.sides[voter.side].weight += voter.weight;
+  voters.weight = 0;
+  for (const Side& side : voters.sides) voters.weight += side.weight;
 }
 
 std::optional<Origin> OriginMap::at(const Vec3& x, Voters& voters) const {
@@ -213,10 +213,9 @@ std::optional<Origin> OriginMap::at(const Vec3& x, const Origin& own, Voters& vo
   find_sides(x, voters);
   OriginFit nearest;
   int nearest_side = -1;
-  double difference2 = kInfinity, all = 0;
+  double difference2 = kInfinity;
   for (int side = 0; side < std::ssize(voters.sides); ++side) {
     const Side& here = voters.sides[side];
-    all += here.weight;
     if (own.source != kUnknownSource && here.source != own.source) continue;
     const OriginFit fit = fitted_origin(x, voters.all, side, sigma_);
     const double distance2 = (x + fit.shift() - own.position).squaredNorm();
@@ -225,7 +224,7 @@ std::optional<Origin> OriginMap::at(const Vec3& x, const Origin& own, Voters& vo
     nearest_side = side;
     difference2 = distance2;
   }
-  if (nearest_side < 0 || !(nearest.weight > kLeastShare * all)) return std::nullopt;
+  if (nearest_side < 0 || !(nearest.weight > kLeastShare * voters.weight)) return std::nullopt;
   const double stretch = stretch_of(nearest, sigma_),
                variance = stretch * stretch * variance_of(nearest, x, voters, nearest_side, sigma_);
   const Vec3 correction = x + nearest.shift() - own.position;

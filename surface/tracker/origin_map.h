@@ -43,6 +43,7 @@ class OriginMap {
   struct Voters {
     std::vector<Voter> all;
     std::vector<Side> sides;
+    double weight = 0;  ///< of all
     std::vector<std::size_t> front;
   };
 

@@ -31,9 +31,8 @@ constexpr std::string_view kTime = "time_a_frame";
 
 /// A column of metrics.csv; or volume_error, which is made of two of them; or time_a_frame, the wall time
 /// that the surface takes [s], which is of timings.csv. noise: medians that differ by less are alike, as a
-/// share of the greater of the two, of rotation_captured as it is. So much any two
-/// medians of a method differ when the liquid of staircase-small.toml (1 s) begins none, one, two or three
-/// tenths of a spacing further.
+/// share of the greater of the two, of rotation_captured as it is. So much any two medians of a method differ
+/// when the liquid of staircase-small.toml (1 s) begins none, one, two or three tenths of a spacing further.
 struct Metric {
   std::string_view name;
   double noise = 0;

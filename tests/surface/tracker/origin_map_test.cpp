@@ -223,18 +223,16 @@ TEST(OriginMap, OneThatIsTornFromTheOthersIsAGuess) {
 // What is 0.15 sigma at the origin is 0.15 sigma now, or up to eight times that.
 TEST(OriginMap, DrawnOutLiquidIsKnownLess) {
   const Particles particles = block(14);
-  std::mt19937 random(15);
-  std::normal_distribution<double> normal(0, 0.15 * kSigma);
-  std::vector<Vec3> noise;
-  for (std::size_t i = 0; i < particles.size(); ++i)
-    noise.emplace_back(normal(random), normal(random), normal(random));
   const Vec3 x(0.02, 0.01, 0.3), drift(0, 2 * kSigma, 0);
   const auto taken = [&](double stretch) {
     const auto back = [&](const Vec3& y) -> Vec3 {
       return Vec3(y.x() / stretch, std::sqrt(stretch) * y.y(), std::sqrt(stretch) * y.z());
     };
-    std::vector<Vec3> origin = mapped(particles.position, back);
-    for (std::size_t i = 0; i < origin.size(); ++i) origin[i] += noise[i];
+    std::mt19937 random(15);
+    std::normal_distribution<double> normal(0, 0.15 * kSigma);
+    const std::vector<Vec3> origin = mapped(particles.position, [&](const Vec3& y) -> Vec3 {
+      return back(y) + Vec3(normal(random), normal(random), normal(random));
+    });
     OriginMap::Voters voters;
     const Vec3 own = back(x) + drift;
     const OriginMap map(particles, origin, {}, kSigma);
