@@ -18,6 +18,7 @@ namespace kappaflow {
 inline constexpr int kWide = 8;  ///< lanes
 
 using Wide = Eigen::Array<float, kWide, 1>;
+using WideDouble = Eigen::Array<double, kWide, 1>;
 
 /// The same numbers as the compiler's own vector.
 using Four [[gnu::vector_size(16)]] = float;
@@ -110,6 +111,27 @@ inline unsigned lanes_of(const EightInts& truth) {
   for (unsigned lane = 0; lane < kWide; ++lane) lanes |= static_cast<unsigned>(truth[lane] != 0) << lane;
   return lanes;
 #endif
+}
+
+/// The lanes that are below the limit, as bits.
+inline unsigned lanes_below(const WideDouble& values, double limit) {
+#ifdef __AVX2__
+  const __m256d limits = _mm256_set1_pd(limit);
+  const auto half = [&](int first) {
+    return static_cast<unsigned>(
+        _mm256_movemask_pd(_mm256_cmp_pd(_mm256_loadu_pd(values.data() + first), limits, _CMP_LT_OQ)));
+  };
+  return half(0) | half(kWide / 2) << kWide / 2;
+#else
+  unsigned lanes = 0;
+  for (unsigned lane = 0; lane < kWide; ++lane) lanes |= static_cast<unsigned>(values[lane] < limit) << lane;
+  return lanes;
+#endif
+}
+
+/// k, k + 1, ...
+inline EightInts indices_from(std::uint32_t k) {
+  return static_cast<std::int32_t>(k) + EightInts{0, 1, 2, 3, 4, 5, 6, 7};
 }
 
 /// Writes those of the eight values whose lanes are set to the front of `out`, in order. There is room for

@@ -13,11 +13,6 @@ namespace {
 constexpr std::uint32_t kLargestOffset = std::numeric_limits<std::uint16_t>::max();  // within a block
 constexpr std::array<std::uint16_t, kWide> kInOrder{0, 1, 2, 3, 4, 5, 6, 7};
 
-/// k, k + 1, ...
-EightInts indices_from(std::uint32_t k) {
-  return static_cast<std::int32_t>(k) + EightInts{0, 1, 2, 3, 4, 5, 6, 7};
-}
-
 /// Squared distance of eight points from a box.
 Wide square_outside(const WideVec& p, const Vec4f& lower, const Vec4f& upper) {
   const auto along = [&](const Wide& x, int axis) -> Wide {

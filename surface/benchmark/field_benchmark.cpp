@@ -93,10 +93,20 @@ void value_and_gradient(benchmark::State& state) {
 }
 BENCHMARK(value_and_gradient)->Arg(20)->Arg(47);
 
+void first_order_jet(benchmark::State& state) {
+  run_pointwise(state, [](const ParticleField& field, const Vec3& x) { return field.first_order_jet(x); });
+}
+BENCHMARK(first_order_jet)->Arg(20)->Arg(47);
+
 void material_velocity(benchmark::State& state) {
   run_pointwise(state, [](const ParticleField& field, const Vec3& x) { return field.material_velocity(x); });
 }
 BENCHMARK(material_velocity)->Arg(20)->Arg(47);
+
+void moving_point(benchmark::State& state) {
+  run_pointwise(state, [](const ParticleField& field, const Vec3& x) { return field.moving_point(x); });
+}
+BENCHMARK(moving_point)->Arg(20)->Arg(47);
 
 /// As run_pointwise(), of the same particles with anisotropic kernels.
 template <class Evaluate>
@@ -113,6 +123,11 @@ void anisotropic_jet(benchmark::State& state) {
   run_anisotropic(state, [](const Field& field, const Vec3& x) { return field.jet(x); });
 }
 BENCHMARK(anisotropic_jet)->Arg(20)->Arg(47);
+
+void anisotropic_first_order_jet(benchmark::State& state) {
+  run_anisotropic(state, [](const Field& field, const Vec3& x) { return field.first_order_jet(x); });
+}
+BENCHMARK(anisotropic_first_order_jet)->Arg(20)->Arg(47);
 
 void anisotropic_value_and_gradient(benchmark::State& state) {
   run_anisotropic(state, [](const Field& field, const Vec3& x) { return field.value_and_gradient(x); });

@@ -10,6 +10,7 @@
 #include "core/errors.h"
 #include "surface/field/field_slab.h"
 #include "surface/field/kernel_sums.h"
+#include "surface/field/lanes_of_runs.h"
 #include "surface/field/lattice_cubes.h"
 #include "surface/field/stray_particles.h"
 
@@ -78,9 +79,9 @@ void AnisotropicField::set_kernels(const FieldParticles& particles, const FieldK
   // With cells half as large as the reach, those about a point hold half as much. (The box of a support may
   // have its corners further away: ranges_near() visits all cells that meet a box.)
   grid_.build(std::span<const Vec3>(place), 0.5 * reach_);
-  for (auto& array : center_) array.resize(n);
-  for (auto& array : shape_) array.resize(n);
-  weight_.resize(n);
+  for (auto& array : center_) array.resize(n + kWide);
+  for (auto& array : shape_) array.resize(n + kWide);
+  weight_.resize(n + kWide);
   source_.resize(n);
   parallel_for(n, [&](std::size_t k) {
     const std::size_t i = kept[grid_.order()[k]];
@@ -100,27 +101,20 @@ void AnisotropicField::set_kernels(const FieldParticles& particles, const FieldK
 template <class Consume>
 void AnisotropicField::visit_hits(const Vec3& x, const Consume& consume) const {
   constexpr std::size_t kCapacity = KernelHits::kCapacity;
-  std::array<std::uint32_t, 2 * kCapacity> hit;
-  std::array<double, kCapacity> s;
+  std::array<std::uint32_t, 2 * kCapacity + kWide> hit;
   std::size_t count = 0;
+  const auto squared_distance = [&](std::uint32_t k) -> WideDouble {
+    const auto load = [k](const std::vector<double>& values) {
+      return Eigen::Map<const WideDouble>(&values[k]);
+    };
+    const WideDouble dx = x[0] - load(center_[0]), dy = x[1] - load(center_[1]), dz = x[2] - load(center_[2]);
+    return dx * (load(shape_[0]) * dx + 2 * (load(shape_[1]) * dy + load(shape_[2]) * dz)) +
+           dy * (load(shape_[3]) * dy + 2 * load(shape_[4]) * dz) + load(shape_[5]) * dz * dz;
+  };
   grid_.ranges_near(x, reach_, [&](std::uint32_t begin, std::uint32_t end) {
     for (; begin < end; begin += kCapacity) {
-      const std::uint32_t n = std::min<std::uint32_t>(kCapacity, end - begin);
-      const double *cx = center_[0].data() + begin, *cy = center_[1].data() + begin,
-                   *cz = center_[2].data() + begin;
-      const double *xx = shape_[0].data() + begin, *xy = shape_[1].data() + begin,
-                   *xz = shape_[2].data() + begin, *yy = shape_[3].data() + begin,
-                   *yz = shape_[4].data() + begin, *zz = shape_[5].data() + begin;
-#pragma omp simd
-      for (std::uint32_t i = 0; i < n; ++i) {
-        const double dx = x[0] - cx[i], dy = x[1] - cy[i], dz = x[2] - cz[i];
-        s[i] = dx * (xx[i] * dx + 2 * (xy[i] * dy + xz[i] * dz)) + dy * (yy[i] * dy + 2 * yz[i] * dz) +
-               zz[i] * dz * dz;
-      }
-      for (std::uint32_t i = 0; i < n; ++i) {  // without a branch: some candidates are hits, in no pattern
-        hit[count] = begin + i;
-        count += s[i] < 1;
-      }
+      count = append_below_one(begin, std::min<std::uint32_t>(begin + kCapacity, end), hit.data(), count,
+                               squared_distance);
       if (count < kCapacity) continue;
       consume(std::span<const std::uint32_t>(hit.data(), kCapacity));
       std::copy(hit.begin() + kCapacity, hit.begin() + count, hit.begin());
@@ -159,14 +153,24 @@ inline void AnisotropicField::load_hits(const Vec3& x, std::span<const std::uint
   hits.count = n;
 }
 
-Jet AnisotropicField::jet(const Vec3& x) const {
+/// The jet of all kernels in reach of x, by their sums.
+template <class Sums>
+Jet AnisotropicField::jet_by(const Vec3& x) const {
   KernelHits hits;
-  KernelSums sums;
+  Sums sums;
   visit_hits(x, [&](std::span<const std::uint32_t> indices) {
     load_hits(x, indices, hits);
     for (std::size_t first = 0; first < hits.count; first += KernelHits::kLanes) sums.add(hits, first);
   });
   return sums.jet(threshold_, cloud_speed_);
+}
+
+Jet AnisotropicField::jet(const Vec3& x) const {
+  return jet_by<KernelSums>(x);
+}
+
+Jet AnisotropicField::first_order_jet(const Vec3& x) const {
+  return jet_by<FirstOrderKernelSums>(x);
 }
 
 std::optional<Vec3> AnisotropicField::material_velocity(const Vec3& x) const {
@@ -188,29 +192,24 @@ std::optional<Vec3> AnisotropicField::material_velocity(const Vec3& x) const {
 
 ValueAndGradient AnisotropicField::value_and_gradient(const Vec3& x) const {
   // As ParticleField does: picking the hits first would cost more than evaluating the misses, where u = 0.
-  double f = 0, gx = 0, gy = 0, gz = 0;
-  grid_.ranges_near(x, reach_, [&](std::uint32_t begin, std::uint32_t end) {
-    // Copies that nothing else can change: the loop vectorises.
-    const double *cx = center_[0].data(), *cy = center_[1].data(), *cz = center_[2].data();
-    const double *xx = shape_[0].data(), *xy = shape_[1].data(), *xz = shape_[2].data(),
-                 *yy = shape_[3].data(), *yz = shape_[4].data(), *zz = shape_[5].data(), *ws = weight_.data();
-    const double x0 = x[0], x1 = x[1], x2 = x[2];
-    double run_f = 0, run_gx = 0, run_gy = 0, run_gz = 0;
-#pragma omp simd reduction(+ : run_f, run_gx, run_gy, run_gz)
-    for (std::size_t k = begin; k < end; ++k) {
-      const double dx = x0 - cx[k], dy = x1 - cy[k], dz = x2 - cz[k];
-      const double ex = xx[k] * dx + xy[k] * dy + xz[k] * dz, ey = xy[k] * dx + yy[k] * dy + yz[k] * dz,
-                   ez = xz[k] * dx + yz[k] * dy + zz[k] * dz;
-      const double inside = 1 - (dx * ex + dy * ey + dz * ez), u = inside > 0 ? inside : 0;
-      const double w_u2 = ws[k] * u * u, b1 = -6 * w_u2;
-      run_f += w_u2 * u;
-      run_gx += b1 * ex;
-      run_gy += b1 * ey;
-      run_gz += b1 * ez;
-    }
-    f += run_f, gx += run_gx, gy += run_gy, gz += run_gz;
-  });
-  return {f - threshold_, Vec3(gx, gy, gz)};
+  using Lanes = KernelHits::Lanes;
+  Lanes f = Lanes::Zero(), g[3]{Lanes::Zero(), Lanes::Zero(), Lanes::Zero()};
+  const auto add = [&](std::uint32_t k, const auto& kept) {
+    const auto load = [k](const std::vector<double>& values) { return Eigen::Map<const Lanes>(&values[k]); };
+    const Lanes dx = x[0] - load(center_[0]), dy = x[1] - load(center_[1]), dz = x[2] - load(center_[2]);
+    const Lanes xy = load(shape_[1]), xz = load(shape_[2]), yz = load(shape_[4]);
+    const Lanes ex = load(shape_[0]) * dx + xy * dy + xz * dz, ey = xy * dx + load(shape_[3]) * dy + yz * dz,
+                ez = xz * dx + yz * dy + load(shape_[5]) * dz;
+    const Lanes u = kept((1 - (dx * ex + dy * ey + dz * ez)).max(0.0));
+    const Lanes w_u2 = load(weight_) * u * u, b1 = -6 * w_u2;
+    f += w_u2 * u;
+    g[0] += b1 * ex;
+    g[1] += b1 * ey;
+    g[2] += b1 * ez;
+  };
+  grid_.ranges_near(x, reach_,
+                    [&](std::uint32_t begin, std::uint32_t end) { add_in_fours(begin, end, add); });
+  return {f.sum() - threshold_, Vec3(g[0].sum(), g[1].sum(), g[2].sum())};
 }
 
 /// Whether f may be positive within the kernel's box: f <= sum_j w_j - T there, over the kernels whose boxes
@@ -228,7 +227,7 @@ bool AnisotropicField::may_have_surface(std::size_t k) const {
 
 std::optional<std::vector<std::array<int, 3>>> AnisotropicField::occupied_cubes(const SampledField& lattice,
                                                                                 int cells) const {
-  std::vector<char> counts(weight_.size());
+  std::vector<char> counts(source_.size());
   parallel_for(counts.size(), [&](std::size_t k) { counts[k] = may_have_surface(k); });
   LatticeCubes cubes(lattice, cells);
   for (std::size_t k = 0; k < counts.size(); ++k)

@@ -29,6 +29,7 @@ class AnisotropicField final : public Field {
   double time() const override { return pattern_.time(); }
   using Field::jet;
   Jet jet(const Vec3& x) const override;
+  Jet first_order_jet(const Vec3& x) const override;
   ValueAndGradient value_and_gradient(const Vec3& x) const override;
   Bounds bounds() const override { return bounds_; }
   double length_scale() const override { return smallest_sigma_; }  ///< that of round kernels
@@ -57,6 +58,8 @@ class AnisotropicField final : public Field {
   bool may_have_surface(std::size_t k) const;
   template <class Consume>
   void visit_hits(const Vec3& x, const Consume& consume) const;
+  template <class Sums>
+  Jet jet_by(const Vec3& x) const;
   void load_hits(const Vec3& x, std::span<const std::uint32_t> indices, KernelHits& hits) const;
 
   ParticleField pattern_;
@@ -64,7 +67,7 @@ class AnisotropicField final : public Field {
   double smallest_sigma_ = 0, fastest_speed_ = 0;
   double reach_ = 0;  // half the longest edge of a support's box [m]
   CellGrid grid_;
-  // All in the grid's cell order. value_and_gradient() reads the first three only.
+  // All in the grid's cell order. value_and_gradient() reads the first three only, which are longer by lanes.
   std::array<std::vector<double>, 3> center_;
   std::array<std::vector<double>, 6> shape_;
   std::vector<double> weight_;

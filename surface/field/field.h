@@ -30,6 +30,12 @@ struct SampledField {
   int first_column = 0, first_row = 0;
 };
 
+/// See Field::first_order_jet() and Field::material_velocity().
+struct MovingPoint {
+  Jet first_order;
+  std::optional<Vec3> material_velocity;
+};
+
 /// An implicit surface f(x) = 0 at one instant, f > 0 inside. Const methods may be called from many threads.
 class Field {
  public:
@@ -43,6 +49,9 @@ class Field {
     strain = {};
     return jet(x);
   }
+  /// What Eq. 4 takes of the jet: f, f_t, g, length_scale and fastest_in_reach. The other derivatives may be
+  /// zero.
+  virtual Jet first_order_jet(const Vec3& x) const { return jet(x); }
   virtual ValueAndGradient value_and_gradient(const Vec3& x) const = 0;
 
   /// The field whose motion tells how the surface moves along itself: of the same material, and near this
@@ -59,6 +68,9 @@ class Field {
 
   /// Velocity of the material at x [m/s], where the field knows one; nullopt where it does not.
   virtual std::optional<Vec3> material_velocity(const Vec3& /*x*/) const { return std::nullopt; }
+
+  /// Both at once, for fields that then look for what is in reach only once.
+  virtual MovingPoint moving_point(const Vec3& x) const { return {first_order_jet(x), material_velocity(x)}; }
 
   /// Whether the material carries f, Df/Dt = 0, so that material_velocity() meets Eq. 4 by itself.
   virtual bool moves_with_material() const { return false; }

@@ -5,6 +5,17 @@
 
 namespace kappaflow {
 
+Jet FirstOrderSums::jet(double threshold, double cloud_speed) const {
+  Jet jet;
+  const double sum = f.sum();
+  jet.f = sum - threshold;
+  jet.f_t = f_t.sum();
+  jet.g = Vec3(g[0].sum(), g[1].sum(), g[2].sum());
+  jet.length_scale = sum > 0 ? sigma.sum() / sum : 0;
+  jet.fastest_in_reach = std::max(std::sqrt(fastest2.maxCoeff()), cloud_speed);
+  return jet;
+}
+
 Jet JetSums::jet(double threshold, double cloud_speed) const {
   const auto symmetric = [](const Lanes(&m)[6], double diagonal) {
     Mat3 s;
@@ -13,11 +24,7 @@ Jet JetSums::jet(double threshold, double cloud_speed) const {
         m[2].sum(), m[4].sum(), m[5].sum() + diagonal;
     return s;
   };
-  Jet jet;
-  const double sum = f.sum();
-  jet.f = sum - threshold;
-  jet.f_t = f_t.sum();
-  jet.g = Vec3(g[0].sum(), g[1].sum(), g[2].sum());
+  Jet jet = first_order.jet(threshold, cloud_speed);
   jet.g_t = Vec3(g_t[0].sum(), g_t[1].sum(), g_t[2].sum());
   jet.A = symmetric(A, p1.sum());
   jet.A_t = symmetric(A_t, c1.sum());
@@ -32,8 +39,6 @@ Jet JetSums::jet(double threshold, double cloud_speed) const {
            .yyz = C[7].sum() + qz,
            .yzz = C[8].sum() + qy,
            .zzz = C[9].sum() + 3 * qz};
-  jet.length_scale = sum > 0 ? sigma.sum() / sum : 0;
-  jet.fastest_in_reach = std::max(std::sqrt(fastest2.maxCoeff()), cloud_speed);
   return jet;
 }
 

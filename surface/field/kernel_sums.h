@@ -34,14 +34,63 @@ struct KernelHits {
   alignas(32) double sigma[kCapacity], speed[kCapacity];  ///< of their particles [m], [m/s]
 };
 
+/// What four kernels add to the jet, as far as several of its sums take it.
+struct KernelTerms {
+  using Lanes = KernelHits::Lanes;
+  Lanes d[3], v[3], w, w_t, M[6], M_t[6];  // as above
+  Lanes e[3], turned[3];                   // M d, M' d
+  Lanes u = Lanes::Ones(), u_t = Lanes::Zero(), u2, b1;
+
+  static Lanes row_times(const Lanes (&matrix)[6], int a, const Lanes (&vector)[3]) {
+    return matrix[symmetric_place(a, 0)] * vector[0] + matrix[symmetric_place(a, 1)] * vector[1] +
+           matrix[symmetric_place(a, 2)] * vector[2];
+  }
+
+  /// Of the kernels [first, first + KernelHits::kLanes) of the hits.
+  KernelTerms(const KernelHits& hits, std::size_t first) {
+    const auto load = [first](const double* values) { return KernelHits::load(values + first); };
+    for (int a = 0; a < 3; ++a) d[a] = load(hits.d[a]), v[a] = load(hits.v[a]);
+    for (int ab = 0; ab < 6; ++ab) M[ab] = load(hits.shape[ab]), M_t[ab] = load(hits.shape_rate[ab]);
+    w = load(hits.weight), w_t = load(hits.weight_rate);
+    for (int a = 0; a < 3; ++a) {
+      e[a] = row_times(M, a, d);
+      turned[a] = row_times(M_t, a, d);
+      u -= d[a] * e[a];
+      u_t += 2 * e[a] * v[a] - d[a] * turned[a];
+    }
+    u2 = u * u;
+    b1 = -6 * w * u2;
+  }
+};
+
+/// The sums over kernels that make the first derivatives.
+struct FirstOrderKernelSums {
+  using Lanes = KernelHits::Lanes;
+  Lanes f = Lanes::Zero(), f_t = Lanes::Zero(), sigma = Lanes::Zero(), fastest = Lanes::Zero();
+  Lanes g[3]{Lanes::Zero(), Lanes::Zero(), Lanes::Zero()};
+
+  /// Adds the kernels [first, first + KernelHits::kLanes) of the hits.
+  void add(const KernelHits& hits, std::size_t first) { add(KernelTerms(hits, first), hits, first); }
+  void add(const KernelTerms& k, const KernelHits& hits, std::size_t first) {
+    const Lanes w_phi = k.w * k.u2 * k.u;
+    f += w_phi;
+    f_t += k.w_t * k.u2 * k.u + 3 * k.w * k.u2 * k.u_t;
+    sigma += w_phi * KernelHits::load(hits.sigma + first);
+    fastest = fastest.max(KernelHits::load(hits.speed + first));
+    for (int a = 0; a < 3; ++a) g[a] += k.b1 * k.e[a];
+  }
+  /// Field::first_order_jet() of f, the sum less `threshold`. cloud_speed: see FieldParticles [m/s].
+  Jet jet(double threshold, double cloud_speed) const;
+};
+
 /// The sums over kernels that make a jet, with those of symmetric tensors by symmetric_place().
 struct KernelSums {
   using Lanes = KernelHits::Lanes;
-  Lanes f = Lanes::Zero(), f_t = Lanes::Zero(), sigma = Lanes::Zero(), fastest = Lanes::Zero();
-  Lanes g[3], g_t[3], A[6], A_t[6], C[10];
+  FirstOrderKernelSums first_order;
+  Lanes g_t[3], A[6], A_t[6], C[10];
 
   KernelSums() {
-    for (Lanes* sums : {g, g_t}) std::fill_n(sums, 3, Lanes::Zero());
+    std::fill_n(g_t, 3, Lanes::Zero());
     for (Lanes* sums : {A, A_t}) std::fill_n(sums, 6, Lanes::Zero());
     std::fill_n(C, 10, Lanes::Zero());
   }
@@ -53,33 +102,15 @@ struct KernelSums {
 };
 
 inline void KernelSums::add(const KernelHits& hits, std::size_t first) {
-  const auto load = [first](const double* values) { return KernelHits::load(values + first); };
-  const Lanes d[3] = {load(hits.d[0]), load(hits.d[1]), load(hits.d[2])};
-  const Lanes v[3] = {load(hits.v[0]), load(hits.v[1]), load(hits.v[2])};
-  const Lanes w = load(hits.weight), w_t = load(hits.weight_rate);
-  Lanes M[6], M_t[6], e[3], e_t[3];
-  for (int ab = 0; ab < 6; ++ab) M[ab] = load(hits.shape[ab]), M_t[ab] = load(hits.shape_rate[ab]);
-  Lanes u = Lanes::Ones(), u_t = Lanes::Zero();
-  for (int a = 0; a < 3; ++a) {
-    const auto row_times = [a](const Lanes(&matrix)[6], const Lanes(&vector)[3]) -> Lanes {
-      return matrix[symmetric_place(a, 0)] * vector[0] + matrix[symmetric_place(a, 1)] * vector[1] +
-             matrix[symmetric_place(a, 2)] * vector[2];
-    };
-    e[a] = row_times(M, d);
-    const Lanes turned = row_times(M_t, d);
-    e_t[a] = turned - row_times(M, v);
-    u -= d[a] * e[a];
-    u_t += 2 * e[a] * v[a] - d[a] * turned;
-  }
-  const Lanes u2 = u * u, b1 = -6 * w * u2, b2 = 24 * w * u, b3 = -48 * w;
+  const KernelTerms k(hits, first);
+  first_order.add(k, hits, first);
+  const auto& [d, v, w, w_t, M, M_t, e, turned, u, u_t, u2, b1] = k;
+  Lanes e_t[3];
+  for (int a = 0; a < 3; ++a) e_t[a] = turned[a] - KernelTerms::row_times(M, a, v);
+  const Lanes b2 = 24 * w * u, b3 = -48 * w;
   const Lanes b1_t = -6 * (w_t * u2 + 2 * w * u * u_t), b2_t = 24 * (w_t * u + w * u_t);
 
-  f += w * u2 * u;
-  f_t += w_t * u2 * u + 3 * w * u2 * u_t;
-  sigma += w * u2 * u * load(hits.sigma);
-  fastest = fastest.max(load(hits.speed));
   for (int a = 0, ab = 0, abc = 0; a < 3; ++a) {
-    g[a] += b1 * e[a];
     g_t[a] += b1_t * e[a] + b1 * e_t[a];
     const Lanes b2_ea = b2 * e[a], b3_ea = b3 * e[a];
     const Lanes A_t_b = b2_t * e[a] + b2 * e_t[a];

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,7 +10,9 @@
 #include "core/errors.h"
 #include "surface/field/field_slab.h"
 #include "surface/field/jet_sums.h"
+#include "surface/field/lanes_of_runs.h"
 #include "surface/field/lattice_cubes.h"
+#include "surface/field/material_sums.h"
 #include "surface/field/strain_sums.h"
 #include "surface/field/stray_particles.h"
 
@@ -72,7 +73,7 @@ void ParticleField::sort_by_cell(const FieldParticles& p, std::span<const std::u
     largest_sigma_ = std::max(largest_sigma_, p.sigma[kept[k]]);
   }
   grid_.build(std::span<const Vec3>(place), largest_sigma_);
-  for (auto* array : {&x_, &y_, &z_, &inverse_sigma2_, &weight_}) array->resize(n);
+  for (auto* array : {&x_, &y_, &z_, &inverse_sigma2_, &weight_}) array->resize(n + kWide);
   source_.resize(n);
   parallel_for(n, [&](std::size_t k) {
     const std::size_t i = kept[grid_.order()[k]];
@@ -86,35 +87,23 @@ void ParticleField::sort_by_cell(const FieldParticles& p, std::span<const std::u
   grid_.forget_points();
 }
 
-/// Appends to `hit`, which holds `count` already, the particles of [begin, end) in reach of x; returns the
-/// new count.
-inline std::size_t ParticleField::collect_hits(const Vec3& x, std::uint32_t begin, std::uint32_t end,
-                                               std::uint32_t* hit, std::size_t count) const {
-  std::array<double, ParticleHits::kCapacity> s;
-  const std::uint32_t n = end - begin;
-#pragma omp simd
-  for (std::uint32_t i = 0; i < n; ++i) {
-    const double dx = x[0] - x_[begin + i], dy = x[1] - y_[begin + i], dz = x[2] - z_[begin + i];
-    s[i] = (dx * dx + dy * dy + dz * dz) * inverse_sigma2_[begin + i];
-  }
-  for (std::uint32_t i = 0; i < n; ++i) {  // without a branch: some candidates are hits, in no pattern
-    hit[count] = begin + i;
-    count += s[i] < 1;
-  }
-  return count;
-}
-
 /// Calls consume(indices) with the particles that have |x - x_i| < sigma_i, at most ParticleHits::kCapacity
 /// at a time.
 template <class Consume>
 void ParticleField::visit_hits(const Vec3& x, const Consume& consume) const {
-  std::array<std::uint32_t, ParticleHits::kCapacity> hit;
+  std::array<std::uint32_t, ParticleHits::kCapacity + kWide> hit;
   std::size_t count = 0;
   grid_.ranges_near(x, largest_sigma_, [&](std::uint32_t begin, std::uint32_t end) {
     while (begin < end) {
       const auto piece_end =
           static_cast<std::uint32_t>(std::min<std::size_t>(end, begin + (ParticleHits::kCapacity - count)));
-      count = collect_hits(x, begin, piece_end, hit.data(), count);
+      count = append_below_one(begin, piece_end, hit.data(), count, [&](std::uint32_t k) -> WideDouble {
+        const auto load = [k](const std::vector<double>& values) {
+          return Eigen::Map<const WideDouble>(&values[k]);
+        };
+        const WideDouble dx = x[0] - load(x_), dy = x[1] - load(y_), dz = x[2] - load(z_);
+        return (dx * dx + dy * dy + dz * dz) * load(inverse_sigma2_);
+      });
       begin = piece_end;
       if (count < ParticleHits::kCapacity) continue;
       consume(std::span<const std::uint32_t>(hit.data(), count));
@@ -148,86 +137,84 @@ inline void ParticleField::load_hits(const Vec3& x, std::span<const std::uint32_
   hits.count = n;
 }
 
-Jet ParticleField::jet(const Vec3& x) const {
+/// Adds all particles in reach of x to each of the sums.
+template <class... Sums>
+void ParticleField::add_all(const Vec3& x, Sums&... sums) const {
   ParticleHits hits;
-  JetSums sums;
   for_each_level([&](const ParticleField& level) {
     level.visit_hits(x, [&](std::span<const std::uint32_t> indices) {
       level.load_hits(x, indices, hits);
-      for (std::size_t first = 0; first < hits.count; first += ParticleHits::kLanes) sums.add(hits, first);
+      for (std::size_t first = 0; first < hits.count; first += ParticleHits::kLanes)
+        (sums.add(hits, first), ...);
     });
   });
+}
+
+Jet ParticleField::jet(const Vec3& x) const {
+  JetSums sums;
+  add_all(x, sums);
   return sums.jet(threshold_, cloud_speed_);
 }
 
 Jet ParticleField::jet(const Vec3& x, StrainResponse& strain) const {
-  ParticleHits hits;
   JetSums sums;
   StrainSums strain_sums;
-  for_each_level([&](const ParticleField& level) {
-    level.visit_hits(x, [&](std::span<const std::uint32_t> indices) {
-      level.load_hits(x, indices, hits);
-      for (std::size_t first = 0; first < hits.count; first += ParticleHits::kLanes) {
-        sums.add(hits, first);
-        strain_sums.add(hits, first);
-      }
-    });
-  });
+  add_all(x, sums, strain_sums);
   Jet jet = sums.jet(threshold_, cloud_speed_);
   strain = strain_sums.response(jet);
   return jet;
 }
 
-ValueAndGradient ParticleField::value_and_gradient(const Vec3& x) const {
-  // So few operations that picking the hits first would cost more than evaluating the misses, where u = 0.
-  double f = 0, gx = 0, gy = 0, gz = 0;
-  for_each_level([&](const ParticleField& level) {
-    level.grid_.ranges_near(x, level.largest_sigma_, [&](std::uint32_t begin, std::uint32_t end) {
-      // Copies that nothing else can change: the loop vectorises.
-      const double *xs = level.x_.data(), *ys = level.y_.data(), *zs = level.z_.data(),
-                   *is2s = level.inverse_sigma2_.data(), *ws = level.weight_.data();
-      const double x0 = x[0], x1 = x[1], x2 = x[2];
-      double run_f = 0, run_gx = 0, run_gy = 0, run_gz = 0;
-#pragma omp simd reduction(+ : run_f, run_gx, run_gy, run_gz)
-      for (std::size_t k = begin; k < end; ++k) {
-        const double dx = x0 - xs[k], dy = x1 - ys[k], dz = x2 - zs[k], is2 = is2s[k];
-        const double inside = 1 - (dx * dx + dy * dy + dz * dz) * is2, u = inside > 0 ? inside : 0;
-        const double w_u2 = ws[k] * u * u, p1 = -6 * w_u2 * is2;
-        run_f += w_u2 * u;
-        run_gx += p1 * dx;
-        run_gy += p1 * dy;
-        run_gz += p1 * dz;
-      }
-      f += run_f, gx += run_gx, gy += run_gy, gz += run_gz;
-    });
-  });
-  return {f - threshold_, Vec3(gx, gy, gz)};
+Jet ParticleField::first_order_jet(const Vec3& x) const {
+  FirstOrderSums sums;
+  add_all(x, sums);
+  return sums.jet(threshold_, cloud_speed_);
 }
 
 std::optional<Vec3> ParticleField::material_velocity(const Vec3& x) const {
+  if (cloud_speed_ > 0) return std::nullopt;
+  MaterialSums sums;
+  add_all(x, sums);
+  return material_velocity(sums);
+}
+
+MovingPoint ParticleField::moving_point(const Vec3& x) const {
+  if (cloud_speed_ > 0) return {first_order_jet(x), std::nullopt};
+  FirstOrderSums sums;
+  MaterialSums material;
+  add_all(x, sums, material);
+  return {sums.jet(threshold_, cloud_speed_), material_velocity(material)};
+}
+
+std::optional<Vec3> ParticleField::material_velocity(const MaterialSums& sums) const {
   // Small against the kernel's second moment of about 0.09: an affine flow is followed to a percent, and a
   // sheet of particles, whose gradient is undetermined, still gives a regular matrix.
   constexpr double kRidge = 0.001;
-  if (cloud_speed_ > 0) return std::nullopt;
-  using Vec4 = Eigen::Vector4d;
-  Eigen::Matrix4d moment = Eigen::Matrix4d::Zero();
-  Eigen::Matrix<double, 4, 3> rhs = Eigen::Matrix<double, 4, 3>::Zero();
+  return sums.velocity(kRidge * smallest_sigma_ * smallest_sigma_);
+}
+
+ValueAndGradient ParticleField::value_and_gradient(const Vec3& x) const {
+  // So few operations that picking the hits first would cost more than evaluating the misses, where u = 0.
+  using Lanes = ParticleHits::Lanes;
+  Lanes f = Lanes::Zero(), gx = Lanes::Zero(), gy = Lanes::Zero(), gz = Lanes::Zero();
   for_each_level([&](const ParticleField& level) {
-    level.visit_hits(x, [&](std::span<const std::uint32_t> indices) {
-      for (const std::uint32_t k : indices) {
-        const Vec3 d(level.x_[k] - x[0], level.y_[k] - x[1], level.z_[k] - x[2]);
-        const double u = 1 - d.squaredNorm() * level.inverse_sigma2_[k];
-        const Vec4 basis(1, d[0] / smallest_sigma_, d[1] / smallest_sigma_, d[2] / smallest_sigma_);
-        const Vec4 weighted = u * u * u * basis;
-        moment += weighted * basis.transpose();
-        rhs += weighted * level.source_[k].velocity.transpose();
-      }
-    });
+    const auto add = [&](std::uint32_t k, const auto& kept) {
+      const auto load = [k](const std::vector<double>& values) {
+        return Eigen::Map<const Lanes>(&values[k]);
+      };
+      const Lanes dx = x[0] - load(level.x_), dy = x[1] - load(level.y_), dz = x[2] - load(level.z_);
+      const Lanes is2 = load(level.inverse_sigma2_);
+      const Lanes u = kept((1 - (dx * dx + dy * dy + dz * dz) * is2).max(0.0));
+      const Lanes w_u2 = load(level.weight_) * u * u, p1 = -6 * w_u2 * is2;
+      f += w_u2 * u;
+      gx += p1 * dx;
+      gy += p1 * dy;
+      gz += p1 * dz;
+    };
+    level.grid_.ranges_near(x, level.largest_sigma_,
+                            [&](std::uint32_t begin, std::uint32_t end) { add_in_fours(begin, end, add); });
   });
-  const double sum = moment(0, 0);
-  if (!(sum > 0)) return std::nullopt;
-  moment.diagonal().tail<3>().array() += kRidge * sum;
-  return Vec3(moment.ldlt().solve(rhs).row(0).transpose());
+  return {f.sum() - threshold_, Vec3(gx.sum(), gy.sum(), gz.sum())};
 }
 
 /// Whether f may be positive where the p-th particle of a level reaches: f <= sum_j w_j - T there, over the
@@ -241,7 +228,7 @@ bool ParticleField::may_have_surface(const ParticleField& of, std::size_t p) con
     return dx * dx + dy * dy + dz * dz < reach * reach ? std::max(level.weight_[q], 0.0) : 0.0;
   };
   double sum = 0;
-  for (std::size_t q = p - std::min(p, kAskedFirst); q < std::min(p + kAskedFirst, of.x_.size()); ++q)
+  for (std::size_t q = p - std::min(p, kAskedFirst); q < std::min(p + kAskedFirst, of.source_.size()); ++q)
     sum += share(of, q);
   if (sum >= threshold_) return true;
   sum = 0;
@@ -259,7 +246,7 @@ std::optional<std::vector<std::array<int, 3>>> ParticleField::occupied_cubes(con
                                                                              int cells) const {
   LatticeCubes cubes(lattice, cells);
   for_each_level([&](const ParticleField& level) {
-    std::vector<char> counts(level.x_.size());
+    std::vector<char> counts(level.source_.size());
     parallel_for(counts.size(), [&](std::size_t p) { counts[p] = may_have_surface(level, p); });
     for (std::size_t p = 0; p < counts.size(); ++p)
       if (counts[p])

@@ -11,6 +11,7 @@
 namespace kappaflow {
 
 struct ParticleHits;
+struct MaterialSums;
 
 /// Particles with everything Eq. 12 needs, at one instant; one entry a particle in every array.
 struct FieldParticles {
@@ -41,6 +42,7 @@ class ParticleField final : public Field {
   /// The response is exact for particles whose velocities are an affine function of their position and whose
   /// weights do not depend on it.
   Jet jet(const Vec3& x, StrainResponse& strain) const override;
+  Jet first_order_jet(const Vec3& x) const override;
   ValueAndGradient value_and_gradient(const Vec3& x) const override;
   Bounds bounds() const override { return bounds_; }
   double length_scale() const override { return smallest_sigma_; }  ///< 0 without particles
@@ -49,6 +51,7 @@ class ParticleField final : public Field {
   /// x)/sigma), with a ridge of 0.001 times the sum of the kernel on the three gradient terms. nullopt where
   /// nothing is in reach, and everywhere where no velocity is known.
   std::optional<Vec3> material_velocity(const Vec3& x) const override;
+  MovingPoint moving_point(const Vec3& x) const override;
   std::optional<std::vector<std::array<int, 3>>> occupied_cubes(const SampledField& lattice,
                                                                 int cells) const override;
   /// Scatters the particles over the lattice, see field_slab.h.
@@ -74,15 +77,16 @@ class ParticleField final : public Field {
   bool may_have_surface(const ParticleField& level, std::size_t p) const;
   template <class Consume>
   void visit_hits(const Vec3& x, const Consume& consume) const;
-  std::size_t collect_hits(const Vec3& x, std::uint32_t begin, std::uint32_t end, std::uint32_t* hit,
-                           std::size_t count) const;
+  template <class... Sums>
+  void add_all(const Vec3& x, Sums&... sums) const;
   void load_hits(const Vec3& x, std::span<const std::uint32_t> indices, ParticleHits& hits) const;
+  std::optional<Vec3> material_velocity(const MaterialSums& sums) const;
 
   /// The particles whose sigma is twice the smallest or more: few, and cells as large as they are would make
   /// the search for the others slow.
   std::unique_ptr<const ParticleField> coarser_;
   CellGrid grid_;
-  // All in the grid's cell order. value_and_gradient() reads the first five only.
+  // All in the grid's cell order. value_and_gradient() reads the first five only, which are longer by lanes.
   std::vector<double> x_, y_, z_, inverse_sigma2_, weight_;
   std::vector<Source> source_;
   double threshold_;

@@ -27,9 +27,8 @@ void evaluate_material(const Field& field, const SurfacePoints& points, const Ve
     return;
   }
   evaluate_each(points, result, [&](const Vec3& x) -> PointVelocity {
-    const Jet jet = field.jet(x);
+    const auto [jet, material] = field.moving_point(x);
     if (!has_gradient(jet)) return {};
-    const std::optional<Vec3> material = field.material_velocity(x);
     if (!material)
       throw InvalidInput(
           "method material: the field has no particle velocities; choose a method that needs none");

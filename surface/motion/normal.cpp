@@ -11,7 +11,7 @@ Vec3 normal_velocity(const Jet& jet, const VelocityOptions& options) {
 void evaluate_normal(const Field& field, const SurfacePoints& points, const VelocityOptions& options,
                      VelocitySpans result) {
   evaluate_each(points, result, [&](const Vec3& x) -> PointVelocity {
-    const Jet jet = field.jet(x);
+    const Jet jet = field.first_order_jet(x);
     return {.velocity = has_gradient(jet) ? normal_velocity(jet, options) : Vec3(Vec3::Zero()),
             .confidence = 0};
   });

@@ -51,9 +51,9 @@ void evaluate_pointwise(const Field& field, const SurfacePoints& points, const V
   evaluate_each(points, result, [&](const Vec3& x) -> PointVelocity {
     const Jet jet = pattern.jet(x);
     if (&pattern == &field) return has_gradient(jet) ? point_velocity(x, jet) : PointVelocity{};
-    const Jet own = field.jet(x);
+    const Jet own = field.first_order_jet(x);
     if (!has_gradient(own)) return {};
-    if (!has_gradient(jet)) return point_velocity(x, own);
+    if (!has_gradient(jet)) return point_velocity(x, field.jet(x));
     PointVelocity at = point_velocity(x, jet);
     at.velocity -= (1 - at.confidence) * normal_velocity(jet, options);
     const Vec3 normal = own.g.normalized();

@@ -48,9 +48,9 @@ LocalMotion local_motion(const Field& field, std::span<const Vec3> position, con
       [&](std::size_t v) {
         StrainResponse strain;
         Jet jet = pattern.jet(position[v], strain);
-        const Jet own = has_pattern ? field.jet(position[v]) : jet;
+        const Jet own = has_pattern ? field.first_order_jet(position[v]) : jet;
         if (!has_gradient(own)) return;
-        if (!has_gradient(jet)) jet = own, strain = {};
+        if (!has_gradient(jet)) jet = field.jet(position[v]), strain = {};
         local.normal[v] = own.g.normalized();
         local.normal_velocity[v] = normal_velocity(own, options);
         local.length_scale[v] = jet.length_scale;
