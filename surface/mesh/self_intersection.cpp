@@ -3,12 +3,17 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cmath>
+#include <limits>
+#include <numeric>
 #include <vector>
 
 #include "core/parallel.h"
+#include "core/split_mix.h"
 #include "core/triangle_crossing.h"
 #include "core/whole_within.h"
+#include "core/wide.h"
 
 namespace kappaflow {
 namespace {
@@ -25,7 +30,7 @@ struct Box {
 using Corners = std::array<Vec3, 3>;
 
 /// Triangles in the cells of a grid that their boxes meet; of the first `known` those that may meet one of
-/// the others.
+/// the others. Cells share buckets: as many as there are triangles, and found without sorting.
 class TriangleGrid {
  public:
   TriangleGrid(std::span<const Vec3> position, std::span<const Triangle> triangles, std::size_t known)
@@ -38,9 +43,9 @@ class TriangleGrid {
   }
 
   std::size_t intersections() const {
-    return parallel_sum(cell_start_.size() - 1, std::size_t{0}, [&](std::size_t cell) {
+    return parallel_sum(bucket_start_.size() - 1, std::size_t{0}, [&](std::size_t bucket) {
       std::size_t found = 0;
-      for_each_intersection(cell, [&](int, int) { ++found; });
+      for_each_intersection(bucket, [&](int, int) { ++found; });
       return found;
     });
   }
@@ -48,8 +53,8 @@ class TriangleGrid {
   std::vector<char> is_intersecting() const {
     // Several cells may mark one triangle at once, all with the same value.
     std::vector<std::atomic<char>> marked(triangles_.size());
-    parallel_for(cell_start_.size() - 1, [&](std::size_t cell) {
-      for_each_intersection(cell, [&](int a, int b) {
+    parallel_for(bucket_start_.size() - 1, [&](std::size_t bucket) {
+      for_each_intersection(bucket, [&](int a, int b) {
         marked[a].store(1, std::memory_order_relaxed);
         marked[b].store(1, std::memory_order_relaxed);
       });
@@ -61,9 +66,6 @@ class TriangleGrid {
   struct Entry {
     std::uint64_t cell;
     int triangle;
-    bool operator<(const Entry& other) const {
-      return cell != other.cell ? cell < other.cell : triangle < other.triangle;
-    }
   };
   using Cell = std::array<std::uint64_t, 3>;
 
@@ -77,25 +79,46 @@ class TriangleGrid {
       size += boxes_[t].upper - boxes_[t].lower;
     }
     origin_ = lower;
-    const double mean = size.maxCoeff() / static_cast<double>(std::max<std::size_t>(1, boxes_.size()));
-    cell_size_ = std::max(2 * mean, (upper - lower).maxCoeff() / double{kMostCells});
+    const double mean = size.maxCoeff() / static_cast<double>(std::max<std::size_t>(1, boxes_.size())),
+                 extent = (upper - lower).maxCoeff();
+    cell_size_ = std::max(2 * mean, extent / double{kMostCells});
+    rounding_ = static_cast<float>(extent) * std::numeric_limits<float>::epsilon();
   }
 
   void set_entries() {
     Box others = {Vec3::Constant(HUGE_VAL), Vec3::Constant(-HUGE_VAL)};
     for (std::size_t t = known_; t < boxes_.size(); ++t)
       others = {others.lower.cwiseMin(boxes_[t].lower), others.upper.cwiseMax(boxes_[t].upper)};
+    std::vector<Entry> found;
     for (int t = 0; t < static_cast<int>(boxes_.size()); ++t) {
       if (t < known_ && !boxes_[t].meets(others)) continue;
       const Cell first = cell_of(boxes_[t].lower), last = cell_of(boxes_[t].upper);
       for (std::uint64_t k = first[2]; k <= last[2]; ++k)
         for (std::uint64_t j = first[1]; j <= last[1]; ++j)
-          for (std::uint64_t i = first[0]; i <= last[0]; ++i) entries_.push_back({key({i, j, k}), t});
+          for (std::uint64_t i = first[0]; i <= last[0]; ++i) found.push_back({key({i, j, k}), t});
     }
-    std::sort(entries_.begin(), entries_.end());
-    for (std::size_t e = 0; e < entries_.size(); ++e)
-      if (e == 0 || entries_[e].cell != entries_[e - 1].cell) cell_start_.push_back(e);
-    cell_start_.push_back(entries_.size());
+    sort_by_bucket(found);
+  }
+
+  /// A counting sort: in each bucket triangles ascend.
+  void sort_by_bucket(std::span<const Entry> found) {
+    const std::uint64_t buckets = std::bit_ceil(std::max<std::size_t>(found.size() / 4, 1));
+    const auto bucket_of = [&](const Entry& entry) { return split_mix(entry.cell) & (buckets - 1); };
+    bucket_start_.assign(buckets + 1, 0);
+    for (const Entry& entry : found) ++bucket_start_[bucket_of(entry) + 1];
+    std::partial_sum(bucket_start_.begin(), bucket_start_.end(), bucket_start_.begin());
+    std::vector<std::size_t> next(bucket_start_.begin(), bucket_start_.end() - 1);
+    entries_.resize(found.size());
+    for (auto* side : {&lower_, &upper_})
+      for (std::vector<float>& axis : *side) axis.resize(found.size() + kWide);
+    for (const Entry& entry : found) {
+      const std::size_t at = next[bucket_of(entry)]++;
+      entries_[at] = entry;
+      for (int a = 0; a < 3; ++a) {
+        lower_[a][at] = static_cast<float>(boxes_[entry.triangle].lower[a] - origin_[a]) - rounding_;
+        upper_[a][at] = static_cast<float>(boxes_[entry.triangle].upper[a] - origin_[a]) + rounding_;
+      }
+    }
   }
 
   Corners corners(int t) const {
@@ -109,18 +132,45 @@ class TriangleGrid {
   }
   static std::uint64_t key(const Cell& cell) { return cell[0] << 42 | cell[1] << 21 | cell[2]; }
 
+  /// Of eight entries from b on, those whose box may meet that of entry a, as bits.
+  unsigned boxes_met(std::size_t a, std::size_t b) const {
+    const auto load = [b](const std::vector<float>& values) -> Eight {
+      Eight eight;
+      std::memcpy(&eight, &values[b], sizeof eight);
+      return eight;
+    };
+    EightInts meets = load(lower_[0]) <= upper_[0][a];
+    for (int axis = 0; axis < 3; ++axis)
+      meets &= (load(lower_[axis]) <= upper_[axis][a]) & (load(upper_[axis]) >= lower_[axis][a]);
+    return lanes_of(meets);
+  }
+
+  /// A pair may meet in several cells; it counts in the one that holds their boxes' common lower corner.
+  bool cross_in(const Entry& a, const Entry& b) const {
+    if (a.cell != b.cell || share_edge(triangles_[a.triangle], triangles_[b.triangle])) return false;
+    const Box &box_a = boxes_[a.triangle], &box_b = boxes_[b.triangle];
+    return box_a.meets(box_b) && key(cell_of(box_a.lower.cwiseMax(box_b.lower))) == a.cell &&
+           triangles_cross(position_, triangles_[a.triangle], triangles_[b.triangle]);
+  }
+
+  static bool share_edge(const Triangle& a, const Triangle& b) {
+    int shared = 0;
+    for (const int v : a) shared += v == b[0] || v == b[1] || v == b[2];
+    return shared >= 2;
+  }
+
   template <class Visit>
-  void for_each_intersection(std::size_t cell, const Visit& visit) const {
-    std::size_t first_other = cell_start_[cell];  // entries ascend
-    while (first_other < cell_start_[cell + 1] && entries_[first_other].triangle < known_) ++first_other;
-    for (std::size_t a = cell_start_[cell]; a < cell_start_[cell + 1]; ++a)
-      for (std::size_t b = std::max(a + 1, first_other); b < cell_start_[cell + 1]; ++b) {
-        const Box &box_a = boxes_[entries_[a].triangle], &box_b = boxes_[entries_[b].triangle];
-        if (!box_a.meets(box_b)) continue;
-        // A pair may meet in several cells; it counts in the one that holds their boxes' common lower corner.
-        if (key(cell_of(box_a.lower.cwiseMax(box_b.lower))) != entries_[a].cell) continue;
-        const int s = entries_[a].triangle, t = entries_[b].triangle;
-        if (triangles_cross(position_, triangles_[s], triangles_[t])) visit(s, t);
+  void for_each_intersection(std::size_t bucket, const Visit& visit) const {
+    std::size_t first_other = bucket_start_[bucket];  // entries ascend
+    const std::size_t end = bucket_start_[bucket + 1];
+    while (first_other < end && entries_[first_other].triangle < known_) ++first_other;
+    for (std::size_t a = bucket_start_[bucket]; a < end; ++a)
+      for (std::size_t b = std::max(a + 1, first_other); b < end; b += kWide) {
+        const unsigned within = end - b < kWide ? (1u << (end - b)) - 1 : ~0u;
+        for (unsigned lanes = boxes_met(a, b) & within; lanes != 0; lanes &= lanes - 1) {
+          const std::size_t other = b + static_cast<std::size_t>(std::countr_zero(lanes));
+          if (cross_in(entries_[a], entries_[other])) visit(entries_[a].triangle, entries_[other].triangle);
+        }
       }
   }
 
@@ -130,8 +180,10 @@ class TriangleGrid {
   std::vector<Box> boxes_;
   Vec3 origin_ = Vec3::Zero();
   double cell_size_ = 1;
+  float rounding_ = 0;  // of coordinates in single precision [m]
   std::vector<Entry> entries_;
-  std::vector<std::size_t> cell_start_;
+  std::array<std::vector<float>, 3> lower_, upper_;  // boxes of the entries, a little wider
+  std::vector<std::size_t> bucket_start_;
 };
 
 }  // namespace
