@@ -7,7 +7,7 @@
 #include "core/connectivity.h"
 #include "core/nearest_on_triangle.h"
 #include "core/parallel.h"
-#include "core/sort_unique.h"
+#include "core/split_mix.h"
 #include "core/triangle_geometry.h"
 #include "surface/topology/disagreement.h"
 #include "surface/topology/triangle_bins.h"
@@ -24,6 +24,40 @@ constexpr std::size_t kSmallestPiece = 3;  // triangles of a patch that is worth
 bool has_vertex(const Triangle& t, std::span<const int> sorted_vertices) {
   return std::ranges::any_of(t, [&](int v) { return std::ranges::binary_search(sorted_vertices, v); });
 }
+
+/// Numbers that some vertices of a large mesh get, by a hash table with linear probing.
+class VertexNumbers {
+ public:
+  /// The vertex's number, or -1.
+  int find(int vertex) const { return table_[slot(vertex)].number; }
+  void set(int vertex, int number) {
+    if (2 * (size_ + 1) > table_.size()) grow();
+    Entry& entry = table_[slot(vertex)];
+    size_ += entry.vertex < 0;
+    entry = {vertex, number};
+  }
+
+ private:
+  struct Entry {
+    int vertex = -1, number = -1;
+  };
+
+  /// Where the vertex is, or the empty place where it belongs.
+  std::size_t slot(int vertex) const {
+    std::size_t at = split_mix(static_cast<std::uint64_t>(vertex));
+    while (table_[at &= table_.size() - 1].vertex >= 0 && table_[at].vertex != vertex) ++at;
+    return at;
+  }
+  void grow() {
+    std::vector<Entry> before(2 * table_.size());
+    std::swap(before, table_);
+    for (const Entry& entry : before)
+      if (entry.vertex >= 0) table_[slot(entry.vertex)] = entry;
+  }
+
+  std::vector<Entry> table_{1024};
+  std::size_t size_ = 0;
+};
 
 /// The edges of loops, sorted.
 std::vector<std::pair<int, int>> edges_of(std::span<const std::vector<int>> loops) {
@@ -145,22 +179,35 @@ Surroundings surroundings_of(const MeshEdits& edits, const VertexCells& vertices
                              const CellRegion& around) {
   const TriangleMesh& mesh = edits.mesh();
   Surroundings near;
+  VertexNumbers number;
+  const auto enter = [&](int v) {
+    if (number.find(v) >= 0) return;
+    number.set(v, static_cast<int>(near.vertex.size()));
+    near.vertex.push_back(v);
+  };
   vertices.for_each_in(around.block(), [&](int v) {
-    if (edits.is_alive(v) && around.has(cell_of(lattice, mesh.position[v])))
-      edits.for_each_out(v, [&](int h) { near.triangle.push_back(h / 3); });
+    if (edits.is_alive(v) && around.has(cell_of(lattice, mesh.position[v]))) enter(v);
   });
-  sort_unique(near.triangle);
+  const int inside = static_cast<int>(near.vertex.size());
+  const auto is_first = [&](int v, const Triangle& t) {  // of the triangle's corners inside
+    return std::ranges::none_of(t, [&](int w) { return w < v && number.find(w) >= 0; });
+  };
+  for (int i = 0; i < inside; ++i)
+    edits.for_each_out(near.vertex[i], [&](int h) {
+      if (is_first(near.vertex[i], mesh.triangles[h / 3])) near.triangle.push_back(h / 3);
+    });
+  std::ranges::sort(near.triangle);
   for (const int t : near.triangle)
-    near.vertex.insert(near.vertex.end(), mesh.triangles[t].begin(), mesh.triangles[t].end());
-  sort_unique(near.vertex);
+    for (const int v : mesh.triangles[t]) enter(v);
+  std::ranges::sort(near.vertex);
   for (const int v : near.vertex) {
+    number.set(v, static_cast<int>(near.mesh.position.size()));
     near.mesh.position.push_back(mesh.position[v]);
     near.mesh.gradient.push_back(mesh.gradient[v]);
   }
   for (const int t : near.triangle) {
     Triangle& triangle = near.mesh.triangles.emplace_back(mesh.triangles[t]);
-    for (int& v : triangle)
-      v = static_cast<int>(std::ranges::lower_bound(near.vertex, v) - near.vertex.begin());
+    for (int& v : triangle) v = number.find(v);
   }
   return near;
 }
