@@ -6,11 +6,10 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <vector>
 
+#include "core/hashed_bins.h"
 #include "core/parallel.h"
-#include "core/split_mix.h"
 #include "core/triangle_crossing.h"
 #include "core/whole_within.h"
 #include "core/wide.h"
@@ -30,7 +29,7 @@ struct Box {
 using Corners = std::array<Vec3, 3>;
 
 /// Triangles in the cells of a grid that their boxes meet; of the first `known` those that may meet one of
-/// the others. Cells share buckets: as many as there are triangles, and found without sorting.
+/// the others.
 class TriangleGrid {
  public:
   TriangleGrid(std::span<const Vec3> position, std::span<const Triangle> triangles, std::size_t known)
@@ -43,7 +42,7 @@ class TriangleGrid {
   }
 
   std::size_t intersections() const {
-    return parallel_sum(bucket_start_.size() - 1, std::size_t{0}, [&](std::size_t bucket) {
+    return parallel_sum(bins_.buckets(), std::size_t{0}, [&](std::size_t bucket) {
       std::size_t found = 0;
       for_each_intersection(bucket, [&](int, int) { ++found; });
       return found;
@@ -53,7 +52,7 @@ class TriangleGrid {
   std::vector<char> is_intersecting() const {
     // Several cells may mark one triangle at once, all with the same value.
     std::vector<std::atomic<char>> marked(triangles_.size());
-    parallel_for(bucket_start_.size() - 1, [&](std::size_t bucket) {
+    parallel_for(bins_.buckets(), [&](std::size_t bucket) {
       for_each_intersection(bucket, [&](int a, int b) {
         marked[a].store(1, std::memory_order_relaxed);
         marked[b].store(1, std::memory_order_relaxed);
@@ -63,10 +62,7 @@ class TriangleGrid {
   }
 
  private:
-  struct Entry {
-    std::uint64_t cell;
-    int triangle;
-  };
+  using Entry = HashedBins::Entry;  // a cell's key and a triangle
   using Cell = std::array<std::uint64_t, 3>;
 
   void set_boxes() {
@@ -97,28 +93,15 @@ class TriangleGrid {
         for (std::uint64_t j = first[1]; j <= last[1]; ++j)
           for (std::uint64_t i = first[0]; i <= last[0]; ++i) found.push_back({key({i, j, k}), t});
     }
-    sort_by_bucket(found);
-  }
-
-  /// A counting sort: in each bucket triangles ascend.
-  void sort_by_bucket(std::span<const Entry> found) {
-    const std::uint64_t buckets = std::bit_ceil(std::max<std::size_t>(found.size() / 4, 1));
-    const auto bucket_of = [&](const Entry& entry) { return split_mix(entry.cell) & (buckets - 1); };
-    bucket_start_.assign(buckets + 1, 0);
-    for (const Entry& entry : found) ++bucket_start_[bucket_of(entry) + 1];
-    std::partial_sum(bucket_start_.begin(), bucket_start_.end(), bucket_start_.begin());
-    std::vector<std::size_t> next(bucket_start_.begin(), bucket_start_.end() - 1);
-    entries_.resize(found.size());
+    bins_ = HashedBins(found);
     for (auto* side : {&lower_, &upper_})
       for (std::vector<float>& axis : *side) axis.resize(found.size() + kWide);
-    for (const Entry& entry : found) {
-      const std::size_t at = next[bucket_of(entry)]++;
-      entries_[at] = entry;
+    for (std::size_t e = 0; e < found.size(); ++e)
       for (int a = 0; a < 3; ++a) {
-        lower_[a][at] = static_cast<float>(boxes_[entry.triangle].lower[a] - origin_[a]) - rounding_;
-        upper_[a][at] = static_cast<float>(boxes_[entry.triangle].upper[a] - origin_[a]) + rounding_;
+        const Box& box = boxes_[bins_.entries()[e].number];
+        lower_[a][e] = static_cast<float>(box.lower[a] - origin_[a]) - rounding_;
+        upper_[a][e] = static_cast<float>(box.upper[a] - origin_[a]) + rounding_;
       }
-    }
   }
 
   Corners corners(int t) const {
@@ -147,10 +130,10 @@ class TriangleGrid {
 
   /// A pair may meet in several cells; it counts in the one that holds their boxes' common lower corner.
   bool cross_in(const Entry& a, const Entry& b) const {
-    if (a.cell != b.cell || share_edge(triangles_[a.triangle], triangles_[b.triangle])) return false;
-    const Box &box_a = boxes_[a.triangle], &box_b = boxes_[b.triangle];
-    return box_a.meets(box_b) && key(cell_of(box_a.lower.cwiseMax(box_b.lower))) == a.cell &&
-           triangles_cross(position_, triangles_[a.triangle], triangles_[b.triangle]);
+    if (a.key != b.key || share_edge(triangles_[a.number], triangles_[b.number])) return false;
+    const Box &box_a = boxes_[a.number], &box_b = boxes_[b.number];
+    return box_a.meets(box_b) && key(cell_of(box_a.lower.cwiseMax(box_b.lower))) == a.key &&
+           triangles_cross(position_, triangles_[a.number], triangles_[b.number]);
   }
 
   static bool share_edge(const Triangle& a, const Triangle& b) {
@@ -161,15 +144,16 @@ class TriangleGrid {
 
   template <class Visit>
   void for_each_intersection(std::size_t bucket, const Visit& visit) const {
-    std::size_t first_other = bucket_start_[bucket];  // entries ascend
-    const std::size_t end = bucket_start_[bucket + 1];
-    while (first_other < end && entries_[first_other].triangle < known_) ++first_other;
-    for (std::size_t a = bucket_start_[bucket]; a < end; ++a)
+    const std::span<const Entry> entries = bins_.entries();
+    std::size_t first_other = bins_.start(bucket);  // triangles ascend
+    const std::size_t end = bins_.start(bucket + 1);
+    while (first_other < end && entries[first_other].number < known_) ++first_other;
+    for (std::size_t a = bins_.start(bucket); a < end; ++a)
       for (std::size_t b = std::max(a + 1, first_other); b < end; b += kWide) {
         const unsigned within = end - b < kWide ? (1u << (end - b)) - 1 : ~0u;
         for (unsigned lanes = boxes_met(a, b) & within; lanes != 0; lanes &= lanes - 1) {
           const std::size_t other = b + static_cast<std::size_t>(std::countr_zero(lanes));
-          if (cross_in(entries_[a], entries_[other])) visit(entries_[a].triangle, entries_[other].triangle);
+          if (cross_in(entries[a], entries[other])) visit(entries[a].number, entries[other].number);
         }
       }
   }
@@ -181,9 +165,8 @@ class TriangleGrid {
   Vec3 origin_ = Vec3::Zero();
   double cell_size_ = 1;
   float rounding_ = 0;  // of coordinates in single precision [m]
-  std::vector<Entry> entries_;
-  std::array<std::vector<float>, 3> lower_, upper_;  // boxes of the entries, a little wider
-  std::vector<std::size_t> bucket_start_;
+  HashedBins bins_;
+  std::array<std::vector<float>, 3> lower_, upper_;  // boxes of its entries, a little wider
 };
 
 }  // namespace

@@ -70,14 +70,19 @@ std::vector<std::pair<int, int>> edges_of(std::span<const std::vector<int>> loop
 
 /// Whether several of the triangle's edges run against one of the sorted edges.
 bool has_edges_along(const Triangle& t, std::span<const std::pair<int, int>> edges) {
-  const auto begins = [&](int v) {  // two edges begin at two corners; most triangles' corners are on none
-    const auto edge = std::ranges::lower_bound(edges, std::pair(v, -1));
-    return edge != edges.end() && edge->first == v;
-  };
-  if (!begins(t[0]) && !begins(t[1])) return false;
   int along = 0;
   for (int c = 0; c < 3; ++c) along += std::ranges::binary_search(edges, std::pair(t[(c + 1) % 3], t[c]));
   return along >= 2;
+}
+
+/// By vertex, how it takes part in a boundary.
+enum class OnRim : char { no, once, pinched };
+std::vector<OnRim> on_rim(std::size_t vertices, const Boundary& rim) {
+  std::vector<OnRim> result(vertices, OnRim::no);
+  for (const std::vector<int>& loop : rim.loops)
+    for (const int v : loop) result[v] = OnRim::once;
+  for (const int v : rim.pinched) result[v] = OnRim::pinched;
+  return result;
 }
 
 /// The triangles that stay: the patch is what of f = 0 keeps a distance from them.
@@ -236,8 +241,11 @@ Obstacles smooth_rim(const TriangleMesh& mesh, Hole& hole) {
     const Boundary rim = boundary_of(triangles_of(mesh, hole.removed));
     pinched = rim.pinched;
     const std::vector<std::pair<int, int>> edges = edges_of(rim.loops);
+    const std::vector<OnRim> place = on_rim(mesh.vertex_count(), rim);
     const auto moved = std::stable_partition(hole.kept.begin(), hole.kept.end(), [&](int t) {
-      return !has_vertex(mesh.triangles[t], rim.pinched) && !has_edges_along(mesh.triangles[t], edges);
+      const auto& [a, b, c] = mesh.triangles[t];
+      const auto [least, most] = std::minmax({place[a], place[b], place[c]});
+      return most != OnRim::pinched && (least == OnRim::no || !has_edges_along(mesh.triangles[t], edges));
     });
     if (moved == hole.kept.end()) break;
     hole.removed.insert(hole.removed.end(), moved, hole.kept.end());

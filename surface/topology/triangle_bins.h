@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cstdint>
 #include <span>
-#include <utility>
 #include <vector>
 
+#include "core/hashed_bins.h"
 #include "core/space_cell.h"
 #include "surface/mesh/triangle_mesh.h"
 
@@ -16,6 +16,7 @@ namespace kappaflow {
 class TriangleBins {
  public:
   TriangleBins(const TriangleMesh& mesh, std::span<const int> triangles, double reach) : size_(8 * reach) {
+    std::vector<HashedBins::Entry> entries;
     for (const int t : triangles) {
       const auto& [a, b, c] = mesh.triangles[t];
       const Vec3 &x = mesh.position[a], &y = mesh.position[b], &z = mesh.position[c];
@@ -23,19 +24,18 @@ class TriangleBins {
                       last = space_cell(x.cwiseMax(y).cwiseMax(z).array() + reach, size_);
       for (std::int64_t k = first[2]; k <= last[2]; ++k)
         for (std::int64_t j = first[1]; j <= last[1]; ++j)
-          for (std::int64_t i = first[0]; i <= last[0]; ++i) entries_.emplace_back(key({i, j, k}), t);
+          for (std::int64_t i = first[0]; i <= last[0]; ++i) entries.push_back({key({i, j, k}), t});
     }
-    std::ranges::sort(entries_);
+    bins_ = HashedBins(entries);
   }
 
   /// Whether `test` holds for a triangle of x's cell.
   template <class Test>
   bool any_near(const Vec3& x, const Test& test) const {
     const std::uint64_t at = key(space_cell(x, size_));
-    auto entry = std::ranges::lower_bound(entries_, std::pair(at, -1));
-    for (; entry != entries_.end() && entry->first == at; ++entry)
-      if (test(entry->second)) return true;
-    return false;
+    return std::ranges::any_of(bins_.near(at), [&](const HashedBins::Entry& entry) {
+      return entry.key == at && test(entry.number);
+    });
   }
 
  private:
@@ -46,7 +46,7 @@ class TriangleBins {
            (static_cast<std::uint64_t>(c[1]) & kMask) << 21 | (static_cast<std::uint64_t>(c[2]) & kMask);
   }
   double size_;
-  std::vector<std::pair<std::uint64_t, int>> entries_;
+  HashedBins bins_;
 };
 
 }  // namespace kappaflow
