@@ -122,6 +122,12 @@ TEST(AnisotropicField, HasOneValueAndGradientHoweverItIsAsked) {
     const ValueAndGradient at = field.value_and_gradient(x);
     ASSERT_NEAR(at.f, jet.f, 1e-12);
     ASSERT_LT((at.g - jet.g).norm(), 1e-12);
+    const Jet low = field.first_order_jet(x);
+    ASSERT_NEAR(low.f, jet.f, 1e-12);
+    ASSERT_NEAR(low.f_t, jet.f_t, 1e-12 * (1 + std::abs(jet.f_t)));
+    ASSERT_LT((low.g - jet.g).norm(), 1e-12);
+    ASSERT_EQ(low.length_scale, jet.length_scale);
+    ASSERT_EQ(low.fastest_in_reach, jet.fastest_in_reach);
   }
 }
 

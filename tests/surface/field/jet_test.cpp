@@ -81,6 +81,15 @@ TEST(ParticleFieldJet, AgreesWithTheDirectSumOverAllParticles) {
       const ValueAndGradient short_jet = field.value_and_gradient(x);
       ASSERT_NEAR(short_jet.f, expected.f, tolerance);
       ASSERT_LT(scaled_error(short_jet.g, expected.g), tolerance);
+      const auto [low, material] = field.moving_point(x);
+      for (const Jet& first_order : {field.first_order_jet(x), low}) {
+        ASSERT_EQ(first_order.f, jet.f);
+        ASSERT_EQ(first_order.f_t, jet.f_t);
+        ASSERT_EQ(first_order.g, jet.g);
+        ASSERT_EQ(first_order.length_scale, jet.length_scale);
+        ASSERT_EQ(first_order.fastest_in_reach, jet.fastest_in_reach);
+      }
+      ASSERT_EQ(material, field.material_velocity(x));
     }
   }
 }
