@@ -42,10 +42,10 @@ constexpr double kSecondsPerBoundaryParticle = 8e-6;  // sampling the walls
 constexpr double kSecondsPerFirstVertex = 1e-4;       // meshing
 constexpr double kSolverSecondsPerParticleStep = 1.4e-6;
 constexpr double kSecondsPerViscousIteration = 0.11e-6;  // and particle
-constexpr double kSecondsPerFairing = 0.3e-6;            // a vertex and step: projection
+constexpr double kSecondsPerFairing = 0.2e-6;            // a vertex and step: projection
 constexpr double kSecondsPerFairingIteration = 0.32e-6;  // and relaxation
 constexpr double kSecondsPerRemeshing = 1.2e-6;  // likewise: remeshing, and looking for changes of topology
-constexpr double kSecondsPerRegionVertex = 0.8e-6;  // to replace a region of a mesh of so many vertices
+constexpr double kSecondsPerRegionVertex = 0.5e-6;  // to replace a region of a mesh of so many vertices
 constexpr double kSecondsPerFreshVertex =
     8e-6;  // a frame: meshing it anew, and where its liquid has come from
 constexpr double kSecondsPerGridPoint = 14e-6;      // a step of fresh-grid
@@ -56,11 +56,11 @@ constexpr int kMostSpans = 10000;                   // of time that are looked a
 
 /// Seconds of a velocity at a vertex.
 constexpr Named<double> kVelocitySeconds[] = {
-    {"normal", 0.35e-6},         {"total", 0.35e-6},   {"curvature", 0.6e-6}, {"curvature-only", 0.6e-6},
-    {"curvature-first", 0.6e-6}, {"material", 0.7e-6}, {"regional", 1.8e-6}};
+    {"normal", 0.25e-6},         {"total", 0.45e-6},   {"curvature", 0.55e-6}, {"curvature-only", 0.55e-6},
+    {"curvature-first", 0.7e-6}, {"material", 0.4e-6}, {"regional", 1.8e-6}};
 
 // Anisotropic kernels take this many times round ones' time in velocities, fairing and topology.
-constexpr double kAnisotropicTimes = 2.2;
+constexpr double kAnisotropicTimes = 1.8;
 
 // The flow. The fastest particle of liquid that runs down somewhere has about this share of the largest speed
 // that free fall allows, in the mean; a stream falls all the time; torn liquid squirts.

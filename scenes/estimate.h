@@ -19,7 +19,7 @@ struct SceneEstimate {
   double seconds = 0;                  ///< wall time
 };
 /// threads: on which the run will be, >= 1. The models and their constants stand in estimate.cpp; seconds are
-/// good to a factor of about two.
+/// good to a factor of about two, but for thin threads of thick liquid: docs/performance.md.
 SceneEstimate estimate(const PreparedScene& prepared, int threads);
 
 }  // namespace kappaflow

@@ -2,10 +2,13 @@
 #include "surface/mesh/self_intersection.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "core/hashed_bins.h"
@@ -27,6 +30,12 @@ struct Box {
 };
 
 using Corners = std::array<Vec3, 3>;
+
+/// In single precision, which keeps the order: boxes that meet still do.
+float single(double x) {
+  constexpr double kLargest = std::numeric_limits<float>::max();
+  return static_cast<float>(std::clamp(x, -kLargest, kLargest));
+}
 
 /// Triangles in the cells of a grid that their boxes meet; of the first `known` those that may meet one of
 /// the others.
@@ -78,7 +87,6 @@ class TriangleGrid {
     const double mean = size.maxCoeff() / static_cast<double>(std::max<std::size_t>(1, boxes_.size())),
                  extent = (upper - lower).maxCoeff();
     cell_size_ = std::max(2 * mean, extent / double{kMostCells});
-    rounding_ = static_cast<float>(extent) * std::numeric_limits<float>::epsilon();
   }
 
   void set_entries() {
@@ -99,8 +107,8 @@ class TriangleGrid {
     for (std::size_t e = 0; e < found.size(); ++e)
       for (int a = 0; a < 3; ++a) {
         const Box& box = boxes_[bins_.entries()[e].number];
-        lower_[a][e] = static_cast<float>(box.lower[a] - origin_[a]) - rounding_;
-        upper_[a][e] = static_cast<float>(box.upper[a] - origin_[a]) + rounding_;
+        lower_[a][e] = single(box.lower[a] - origin_[a]);
+        upper_[a][e] = single(box.upper[a] - origin_[a]);
       }
   }
 
@@ -122,10 +130,10 @@ class TriangleGrid {
       std::memcpy(&eight, &values[b], sizeof eight);
       return eight;
     };
-    EightInts meets = load(lower_[0]) <= upper_[0][a];
-    for (int axis = 0; axis < 3; ++axis)
-      meets &= (load(lower_[axis]) <= upper_[axis][a]) & (load(upper_[axis]) >= lower_[axis][a]);
-    return lanes_of(meets);
+    const auto meets = [&](int axis) -> EightInts {
+      return (load(lower_[axis]) <= upper_[axis][a]) & (load(upper_[axis]) >= lower_[axis][a]);
+    };
+    return lanes_of(meets(0) & meets(1) & meets(2));
   }
 
   /// A pair may meet in several cells; it counts in the one that holds their boxes' common lower corner.
@@ -136,6 +144,8 @@ class TriangleGrid {
            triangles_cross(position_, triangles_[a.number], triangles_[b.number]);
   }
 
+  /// Most boxes that meet are those of neighbours, which cannot cross: triangles_cross() would find that
+  /// later.
   static bool share_edge(const Triangle& a, const Triangle& b) {
     int shared = 0;
     for (const int v : a) shared += v == b[0] || v == b[1] || v == b[2];
@@ -164,9 +174,8 @@ class TriangleGrid {
   std::vector<Box> boxes_;
   Vec3 origin_ = Vec3::Zero();
   double cell_size_ = 1;
-  float rounding_ = 0;  // of coordinates in single precision [m]
   HashedBins bins_;
-  std::array<std::vector<float>, 3> lower_, upper_;  // boxes of its entries, a little wider
+  std::array<std::vector<float>, 3> lower_, upper_;  // boxes of its entries, from the origin
 };
 
 }  // namespace

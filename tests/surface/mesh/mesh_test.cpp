@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <random>
 #include <set>
 
 #include "core/errors.h"
+#include "core/triangle_crossing.h"
 #include "surface/mesh/block_isosurface.h"
 #include "surface/mesh/lattice_blocks.h"
 #include "surface/mesh/mesh_measures.h"
@@ -380,6 +382,35 @@ TEST(SelfIntersection, NoneInAnIsosurfaceAndSomeWhereAVertexIsPulledThrough) {
   EXPECT_EQ(self_intersections({}, {}), 0u);
   EXPECT_EQ(self_intersections(std::vector<Vec3>(3, Vec3(1, 2, 3)), std::vector<Triangle>(2, {0, 1, 2})), 0u)
       << "all in one point";
+}
+
+// Triangles at random, some of them large, against all pairs; one far away changes nothing.
+TEST(SelfIntersection, FindsWhatBruteForceFinds) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (const double far : {1.0, 1e30, 1e200}) {
+    std::vector<Vec3> position;
+    std::vector<Triangle> triangles;
+    for (int t = 0; t < 700; ++t) {
+      const double size = t % 50 == 0 ? 0.7 : 0.1;
+      const Vec3 middle(uniform(random), uniform(random), uniform(random));
+      for (int c = 0; c < 3; ++c)
+        position.push_back(middle + size * Vec3(uniform(random), uniform(random), uniform(random)));
+      triangles.push_back({3 * t, 3 * t + 1, t % 3 == 0 && t > 0 ? 3 * t - 1 : 3 * t + 2});
+    }
+    std::fill_n(position.rbegin(), 3, Vec3::Constant(-far));
+    triangles.back() = {2097, 2098, 2099};
+    const std::size_t known = 400;
+    std::vector<char> crosses(triangles.size(), 0);
+    for (std::size_t a = 0; a < triangles.size(); ++a)
+      for (std::size_t b = std::max(a + 1, known); b < triangles.size(); ++b)
+        if (triangles_cross(position, triangles[a], triangles[b])) crosses[a] = crosses[b] = 1;
+    std::vector<int> expected;
+    for (std::size_t t = 0; t < crosses.size(); ++t)
+      if (crosses[t]) expected.push_back(static_cast<int>(t));
+    EXPECT_GT(expected.size(), 100u);
+    EXPECT_EQ(intersecting_triangles(position, triangles, known), expected) << far;
+  }
 }
 
 TEST(TriangleMeasures, ShareOfAnglesOutside) {
