@@ -42,10 +42,10 @@ constexpr double kSecondsPerBoundaryParticle = 8e-6;  // sampling the walls
 constexpr double kSecondsPerFirstVertex = 1e-4;       // meshing
 constexpr double kSolverSecondsPerParticleStep = 1.4e-6;
 constexpr double kSecondsPerViscousIteration = 0.11e-6;  // and particle
-constexpr double kSecondsPerFairing = 0.2e-6;            // a vertex and step: projection
+constexpr double kSecondsPerFairing = 0.3e-6;            // a vertex and step: projection
 constexpr double kSecondsPerFairingIteration = 0.32e-6;  // and relaxation
 constexpr double kSecondsPerRemeshing = 1.2e-6;  // likewise: remeshing, and looking for changes of topology
-constexpr double kSecondsPerRegionVertex = 0.5e-6;  // to replace a region of a mesh of so many vertices
+constexpr double kSecondsPerRegionVertex = 0.6e-6;  // to replace a region of a mesh of so many vertices
 constexpr double kSecondsPerFreshVertex =
     8e-6;  // a frame: meshing it anew, and where its liquid has come from
 constexpr double kSecondsPerGridPoint = 14e-6;      // a step of fresh-grid
