@@ -24,10 +24,10 @@ constexpr double kRadiusLimit = 1.2;  // of the furthest particle, over the drop
 // stability of a rotating liquid drop", 1965).
 constexpr double kRotationalBond = 0.1;
 
-// Limits of the basin, in units of sqrt(g h). The lattice settles by a share of the spacing at first; after
-// that a particle that moved 1 percent of sqrt(g h) would cross a spacing in two seconds.
-constexpr double kFastestAtRest = 0.05;
-constexpr double kMeanAtRest = 0.01;
+// Limits of the basin, in units of sqrt(g h), after the first third: under pressure the lattice of the start
+// is no stable packing, and particles sink into another one for some seconds.
+constexpr double kFastestAtRest = 0.02;
+constexpr double kMeanAtRest = 0.002;
 constexpr double kEnergyGrowth = 1.0;  // of the last third over that of the second
 constexpr double kLeastEnergy = 1e-5;  // below it, in units of g h, growth is noise
 
