@@ -4,10 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <cstdint>
 #include <utility>
 
 #include "core/errors.h"
+#include "core/hashed_bins.h"
 #include "core/whole_within.h"
 
 namespace kappaflow {
@@ -17,12 +18,6 @@ constexpr double kMostPoints = 2147483648.0;  // 2^31: more is a mistake in the 
 constexpr double kMargin = 0.01;              // [cells] around a triangle
 constexpr double kMostWhole = 2;              // times the points of the cubes
 
-double points_in(const LatticeBlock& block) {
-  double points = 1;
-  for (int a = 0; a < 3; ++a) points *= block.last[a] - block.first[a] + 1.0;
-  return points;
-}
-
 void check_size(const SampledField& lattice, double points) {
   if (!(points <= kMostPoints))
     throw InvalidInput(
@@ -30,22 +25,60 @@ void check_size(const SampledField& lattice, double points) {
                     lattice.spacing, points));
 }
 
-/// The first and the last cubes within `reach` cells of a triangle, along each axis.
-std::pair<LatticeCube, LatticeCube> cubes_around(const SampledField& lattice, std::span<const Vec3> position,
-                                                 const Triangle& triangle, double reach) {
+/// The first and the last cubes along each axis.
+struct CubeRange {
+  LatticeCube first{}, last{};
+};
+
+template <class Visit>
+void for_each_cube(const CubeRange& range, const Visit& visit) {
+  LatticeCube cube;
+  for (cube[2] = range.first[2]; cube[2] <= range.last[2]; ++cube[2])
+    for (cube[1] = range.first[1]; cube[1] <= range.last[1]; ++cube[1])
+      for (cube[0] = range.first[0]; cube[0] <= range.last[0]; ++cube[0]) visit(cube);
+}
+
+/// Those within `reach` cells of a triangle's box.
+CubeRange cubes_around(const SampledField& lattice, std::span<const Vec3> position, const Triangle& triangle,
+                       double reach) {
   const Vec3 &x = position[triangle[0]], &y = position[triangle[1]], &z = position[triangle[2]];
   const Vec3 least = (x.cwiseMin(y).cwiseMin(z) - lattice.origin) / lattice.spacing,
              most = (x.cwiseMax(y).cwiseMax(z) - lattice.origin) / lattice.spacing;
-  LatticeCube first{}, last{};
+  CubeRange cubes;
   for (int a = 0; a < 3; ++a) {
     const int end = std::max(0, lattice.dims[a] - 2) / kCubeCells;
-    first[a] = whole_within(std::floor((least[a] - reach) / kCubeCells), 0, end);
-    last[a] = whole_within(std::floor((most[a] + reach) / kCubeCells), 0, end);
+    cubes.first[a] = whole_within(std::floor((least[a] - reach) / kCubeCells), 0, end);
+    cubes.last[a] = whole_within(std::floor((most[a] + reach) / kCubeCells), 0, end);
   }
-  return {first, last};
+  return cubes;
+}
+
+CubeRange cubes_of_block(const LatticeBlock& block) {
+  CubeRange cubes;
+  for (int a = 0; a < 3; ++a) {
+    cubes.first[a] = block.first[a] / kCubeCells;
+    cubes.last[a] = block.last[a] / kCubeCells;
+  }
+  return cubes;
+}
+
+/// Cubes that share a key, of lattices with more than 2^26 points along an axis, cost time only.
+std::uint64_t cube_key(const LatticeCube& cube) {
+  return static_cast<std::uint64_t>(cube[0]) << 42 | static_cast<std::uint64_t>(cube[1]) << 21 |
+         static_cast<std::uint64_t>(cube[2]);
 }
 
 }  // namespace
+
+double points_in(std::span<const LatticeBlock> blocks) {
+  double sum = 0;
+  for (const auto& [first, last] : blocks) {
+    double points = 1;
+    for (int a = 0; a < 3; ++a) points *= last[a] - first[a] + 1.0;
+    sum += points;
+  }
+  return sum;
+}
 
 LatticeBlock whole(const SampledField& lattice) {
   return {{0, 0, 0}, {lattice.dims[0] - 1, lattice.dims[1] - 1, lattice.dims[2] - 1}};
@@ -54,13 +87,10 @@ LatticeBlock whole(const SampledField& lattice) {
 std::vector<LatticeCube> cubes_of(const SampledField& lattice, std::span<const Vec3> position,
                                   std::span<const Triangle> triangles) {
   std::vector<LatticeCube> cubes;
-  for (const Triangle& t : triangles) {
-    const auto [first, last] = cubes_around(lattice, position, t, kMargin);
-    for (int k = first[2]; k <= last[2]; ++k)
-      for (int j = first[1]; j <= last[1]; ++j)
-        for (int i = first[0]; i <= last[0]; ++i)
-          if (const LatticeCube cube{i, j, k}; cubes.empty() || cubes.back() != cube) cubes.push_back(cube);
-  }
+  for (const Triangle& t : triangles)
+    for_each_cube(cubes_around(lattice, position, t, kMargin), [&](const LatticeCube& cube) {
+      if (cubes.empty() || cubes.back() != cube) cubes.push_back(cube);
+    });
   return cubes;
 }
 
@@ -69,46 +99,34 @@ std::vector<LatticeBlock> blocks_of(const SampledField& lattice, std::vector<Lat
   std::ranges::sort(cubes, {}, order);
   cubes.erase(std::unique(cubes.begin(), cubes.end()), cubes.end());
   std::vector<LatticeBlock> blocks;
-  double points = 0;
   for (const LatticeCube& cube : cubes) {
     LatticeBlock& block = blocks.emplace_back();
     for (int a = 0; a < 3; ++a) {
       block.first[a] = cube[a] * kCubeCells;
       block.last[a] = std::min(block.first[a] + kCubeCells, lattice.dims[a] - 1);
     }
-    points += points_in(block);
   }
-  if (points_in(whole(lattice)) <= kMostWhole * points) {
-    blocks = {whole(lattice)};
-    points = points_in(blocks[0]);
-  }
-  check_size(lattice, points);
+  if (points_in(std::array{whole(lattice)}) <= kMostWhole * points_in(blocks)) blocks = {whole(lattice)};
+  check_size(lattice, points_in(blocks));
   return blocks;
 }
 
-std::vector<std::vector<Triangle>> triangles_in_rows(const SampledField& lattice,
-                                                     std::span<const Vec3> position,
-                                                     std::span<const Triangle> triangles,
-                                                     std::span<const LatticeBlock> blocks, double reach) {
-  std::vector<std::array<int, 3>> rows;  // of cubes: z, y, and a block in it
-  for (int b = 0; b < static_cast<int>(blocks.size()); ++b)
-    for (int k = blocks[b].first[2] / kCubeCells; k <= blocks[b].last[2] / kCubeCells; ++k)
-      for (int j = blocks[b].first[1] / kCubeCells; j <= blocks[b].last[1] / kCubeCells; ++j)
-        rows.push_back({k, j, b});
-  std::ranges::sort(rows);
-  std::vector<std::vector<Triangle>> result(blocks.size());
-  for (const Triangle& t : triangles) {
-    const auto [first, last] = cubes_around(lattice, position, t, reach);
-    for (int k = first[2]; k <= last[2]; ++k) {
-      auto row = std::ranges::lower_bound(rows, std::array{k, first[1], -1});
-      for (; row != rows.end() && *row <= std::array{k, last[1], std::numeric_limits<int>::max()}; ++row) {
-        const int b = (*row)[2];
-        if (first[0] * kCubeCells > blocks[b].last[0]) continue;  // rows are crossed from their beginning on
-        if (std::vector<Triangle>& of_block = result[b]; of_block.empty() || of_block.back() != t)
-          of_block.push_back(t);
-      }
-    }
-  }
+std::vector<std::vector<int>> triangles_near(const SampledField& lattice, std::span<const Vec3> position,
+                                             std::span<const Triangle> triangles,
+                                             std::span<const LatticeBlock> blocks, double reach) {
+  std::vector<HashedBins::Entry> by_cube;
+  for (std::size_t b = 0; b < blocks.size(); ++b)
+    for_each_cube(cubes_of_block(blocks[b]), [&](const LatticeCube& cube) {
+      by_cube.push_back({cube_key(cube), static_cast<int>(b)});
+    });
+  const HashedBins bins(by_cube);
+  std::vector<std::vector<int>> result(blocks.size());
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for_each_cube(cubes_around(lattice, position, triangles[t], reach), [&](const LatticeCube& cube) {
+      for (const auto& [key, b] : bins.near(cube_key(cube)))
+        if (key == cube_key(cube) && (result[b].empty() || result[b].back() != static_cast<int>(t)))
+          result[b].push_back(static_cast<int>(t));
+    });
   return result;
 }
 
@@ -116,7 +134,7 @@ std::vector<LatticeBlock> occupied_blocks(const Field& field, const SampledField
                                           std::vector<LatticeCube> others) {
   const auto cubes = field.occupied_cubes(lattice, kCubeCells);
   if (!cubes) {
-    check_size(lattice, points_in(whole(lattice)));
+    check_size(lattice, points_in(std::array{whole(lattice)}));
     return {whole(lattice)};
   }
   others.insert(others.end(), cubes->begin(), cubes->end());

@@ -12,6 +12,9 @@ namespace kappaflow {
 using LatticeCube = std::array<int, 3>;
 inline constexpr int kCubeCells = 32;
 
+/// The number of points of the blocks, those that several share as often; 2^53 and more are rounded.
+double points_in(std::span<const LatticeBlock> blocks);
+
 /// All of the lattice's points.
 LatticeBlock whole(const SampledField& lattice);
 
@@ -27,11 +30,9 @@ std::vector<LatticeBlock> blocks_of(const SampledField& lattice, std::vector<Lat
 std::vector<LatticeBlock> occupied_blocks(const Field& field, const SampledField& lattice,
                                           std::vector<LatticeCube> others = {});
 
-/// Of each block the triangles that reach into its planes and rows, or come within `reach` cells of them, but
-/// for those beyond its last column; in their order.
-std::vector<std::vector<Triangle>> triangles_in_rows(const SampledField& lattice,
-                                                     std::span<const Vec3> position,
-                                                     std::span<const Triangle> triangles,
-                                                     std::span<const LatticeBlock> blocks, double reach);
+/// Of each block the triangles, by number, in whose cubes or within `reach` cells of them it is; ascending.
+std::vector<std::vector<int>> triangles_near(const SampledField& lattice, std::span<const Vec3> position,
+                                             std::span<const Triangle> triangles,
+                                             std::span<const LatticeBlock> blocks, double reach);
 
 }  // namespace kappaflow

@@ -10,6 +10,7 @@
 #include "core/triangle_geometry.h"
 #include "core/whole_within.h"
 #include "surface/field/projection.h"
+#include "surface/mesh/lattice_blocks.h"
 #include "surface/mesh/mesh_measures.h"
 #include "surface/topology/simple_points.h"
 #include "surface/topology/winding_numbers.h"
@@ -21,7 +22,7 @@ constexpr double kFacing = 0.9;                              // cosine to the su
 constexpr double kParallel = 2.7;                            // length of that sum
 constexpr double kAgreeing = 1;                              // such length below which it says nothing
 constexpr double kOverlongEdge = 8;                          // in limits
-constexpr std::size_t kPointsAtOnce = std::size_t{1} << 24;  // of the lattice, in memory
+constexpr std::size_t kPointsAtOnce = std::size_t{1} << 22;  // of the lattice, in memory of each thread
 constexpr int kOverlap = 4;                                  // of slabs and blocks of it, in points
 
 /// Whether the field is not to be asked: the triangle is small and all that is known at its corners, which
@@ -136,10 +137,12 @@ DisputedPoints disputed_in_plane(const SampledField& samples, std::span<const st
   return found;
 }
 
-/// Moves the points further than `limit` from every triangle of the mesh from `near` to `certain`: the mesh
-/// has left a tip or a slit out that is thinner than f/|g| tells.
-void move_far_from_mesh(std::span<const Vec3> position, std::span<const Triangle> triangles, double limit,
+/// Moves the points further than `limit` from every triangle of the mesh, of which those near the samples
+/// are given, from DisputedPoints::near to `certain`: the mesh has left a tip or a slit out that is thinner
+/// than f/|g| tells.
+void move_far_from_mesh(const TriangleMesh& mesh, std::span<const int> near, double limit,
                         const SampledField& samples, DisputedPoints& disputed) {
+  if (disputed.near.empty()) return;
   enum Mark : char { other, asked, found };
   std::vector<char> mark(static_cast<std::size_t>(samples.dims[0]) * samples.dims[1] * samples.dims[2],
                          other);
@@ -147,9 +150,9 @@ void move_far_from_mesh(std::span<const Vec3> position, std::span<const Triangle
     return mark[at[0] + samples.dims[0] * (at[1] + static_cast<std::size_t>(samples.dims[1]) * at[2])];
   };
   for (const LatticeCell& at : disputed.near) mark_of(at) = asked;
-  parallel_for(triangles.size(), [&](std::size_t t) {
-    const auto& [a, b, c] = triangles[t];
-    const std::array<Vec3, 3> corner{position[a], position[b], position[c]};
+  parallel_for(near.size(), [&](std::size_t n) {
+    const auto& [a, b, c] = mesh.triangles[near[n]];
+    const std::array<Vec3, 3> corner{mesh.position[a], mesh.position[b], mesh.position[c]};
     for_each_point_near(corner, limit, samples, [&](const LatticeCell& at, const Vec3& x) {
       const std::atomic_ref<char> state(mark_of(at));
       if (state.load(std::memory_order_relaxed) != asked) return;
@@ -163,12 +166,13 @@ void move_far_from_mesh(std::span<const Vec3> position, std::span<const Triangle
   disputed.near.erase(far, disputed.near.end());
 }
 
-/// The points in dispute of a part of the lattice, by their numbers in it; fills the samples.
-std::vector<LatticeCell> points_in_dispute(const Field& field, std::span<const Vec3> position,
-                                           std::span<const Triangle> triangles, double limit,
-                                           SampledField& samples) {
+/// The points in dispute of a part of the lattice, by their numbers in it; fills the samples. near:
+/// triangles.
+std::vector<LatticeCell> points_in_dispute(const Field& field, const TriangleMesh& mesh,
+                                           const WindingNumbers& numbers, std::span<const int> near,
+                                           double limit, SampledField& samples) {
   field.sample(samples);
-  std::vector<std::int8_t> winding = winding_numbers(position, triangles, samples);
+  std::vector<std::int8_t> winding = numbers.in(samples);
   std::vector<DisputedPoints> in_plane(samples.dims[2]);
   parallel_for(
       in_plane.size(),
@@ -176,10 +180,49 @@ std::vector<LatticeCell> points_in_dispute(const Field& field, std::span<const V
       1);
   DisputedPoints disputed;
   for (const DisputedPoints& plane : in_plane) disputed.add(plane);
-  move_far_from_mesh(position, triangles, limit, samples, disputed);
+  move_far_from_mesh(mesh, near, limit, samples, disputed);
   deform(samples.dims, disputed.near, winding);
   disputed.certain.insert(disputed.certain.end(), disputed.near.begin(), disputed.near.end());
   return disputed.certain;
+}
+
+/// The block and so many points around it, as far as the lattice has them.
+LatticeBlock widened(const SampledField& lattice, LatticeBlock block, int points) {
+  for (int a = 0; a < 3; ++a) {
+    block.first[a] = std::max(block.first[a] - points, 0);
+    block.last[a] = std::min(block.last[a] + points, lattice.dims[a] - 1);
+  }
+  return block;
+}
+
+bool has(const LatticeBlock& block, const LatticeCell& at) {
+  for (int a = 0; a < 3; ++a)
+    if (at[a] < block.first[a] || at[a] > block.last[a]) return false;
+  return true;
+}
+
+/// The points of a block, without values.
+SampledField part_of(const SampledField& lattice, const LatticeBlock& block) {
+  SampledField part = lattice;
+  part.first_column = block.first[0];
+  part.first_row = block.first[1];
+  part.first_plane = block.first[2];
+  for (int a = 0; a < 3; ++a) part.dims[a] = block.last[a] - block.first[a] + 1;
+  return part;
+}
+
+/// Cuts a block across z, so that each piece has at most kPointsAtOnce points with those around it, or is
+/// thin; none where it is empty.
+void add_slabs(const SampledField& lattice, const LatticeBlock& block, std::vector<LatticeBlock>& slabs) {
+  if (!has(block, block.first)) return;
+  const auto& [first, last] = widened(lattice, block, kOverlap);
+  const std::size_t plane = static_cast<std::size_t>(last[0] - first[0] + 1) * (last[1] - first[1] + 1);
+  const int planes = std::max(static_cast<int>(kPointsAtOnce / plane) - 2 * kOverlap, 2 * kOverlap);
+  for (int z = block.first[2]; z <= block.last[2]; z += planes) {
+    LatticeBlock& slab = slabs.emplace_back(block);
+    slab.first[2] = z;
+    slab.last[2] = std::min(z + planes - 1, block.last[2]);
+  }
 }
 
 }  // namespace
@@ -238,41 +281,27 @@ std::vector<int> triangles_off_surface(const Field& field, const TriangleMesh& m
   return found;
 }
 
-std::vector<LatticeCell> cells_in_dispute(const Field& field, std::span<const Vec3> position,
-                                          std::span<const Triangle> triangles, double limit,
-                                          const SampledField& lattice, const LatticeBlock& block) {
-  LatticeBlock wanted = block;
-  for (int a = 0; a < 3; ++a) {
-    wanted.first[a] = std::max(block.first[a], 0);
-    wanted.last[a] = std::min(block.last[a], lattice.dims[a] - 1);
-    if (wanted.first[a] > wanted.last[a]) return {};
-  }
-  const auto begin = [&](int a) { return std::max(wanted.first[a] - kOverlap, 0); };
-  const auto count = [&](int a) {
-    return std::min(wanted.last[a] + kOverlap, lattice.dims[a] - 1) - begin(a) + 1;
-  };
-  const int planes = wanted.last[2] - wanted.first[2] + 1;
-  const std::size_t plane = static_cast<std::size_t>(count(0)) * count(1);
-  const int at_once =
-      std::min(planes + 2 * kOverlap, std::max(4 * kOverlap, static_cast<int>(kPointsAtOnce / plane)));
+std::vector<LatticeCell> cells_in_dispute(const Field& field, const TriangleMesh& mesh, double limit,
+                                          const SampledField& lattice, std::span<const LatticeBlock> blocks) {
+  std::vector<LatticeBlock> slabs, read;
+  for (const LatticeBlock& block : blocks) add_slabs(lattice, widened(lattice, block, 0), slabs);
+  for (const LatticeBlock& slab : slabs) read.push_back(widened(lattice, slab, kOverlap));
+  const WindingNumbers numbers(mesh.position, mesh.triangles, lattice, read);
+  const auto near = triangles_near(lattice, mesh.position, mesh.triangles, read, limit / lattice.spacing);
+  std::vector<std::vector<LatticeCell>> found(slabs.size());
+  parallel_for(
+      slabs.size(),
+      [&](std::size_t s) {
+        SampledField part = part_of(lattice, read[s]);
+        for (LatticeCell cell : points_in_dispute(field, mesh, numbers, near[s], limit, part)) {
+          for (int a = 0; a < 3; ++a) cell[a] += read[s].first[a];
+          if (has(slabs[s], cell)) found[s].push_back(cell);
+        }
+      },
+      1);
   std::vector<LatticeCell> cells;
-  for (int first = wanted.first[2]; first <= wanted.last[2]; first += at_once - 2 * kOverlap) {
-    const int last = std::min(first + at_once - 2 * kOverlap - 1, wanted.last[2]);
-    SampledField slab = lattice;
-    slab.first_column = begin(0);
-    slab.first_row = begin(1);
-    slab.dims = {count(0), count(1), 0};
-    slab.first_plane = std::max(first - kOverlap, 0);
-    slab.dims[2] = std::min(last + kOverlap, lattice.dims[2] - 1) - slab.first_plane + 1;
-    for (LatticeCell cell : points_in_dispute(field, position, triangles, limit, slab)) {
-      cell[0] += slab.first_column;
-      cell[1] += slab.first_row;
-      cell[2] += slab.first_plane;
-      if (cell[0] >= wanted.first[0] && cell[0] <= wanted.last[0] && cell[1] >= wanted.first[1] &&
-          cell[1] <= wanted.last[1] && cell[2] >= first && cell[2] <= last)
-        cells.push_back(cell);
-    }
-  }
+  for (const std::vector<LatticeCell>& of_slab : found)
+    cells.insert(cells.end(), of_slab.begin(), of_slab.end());
   return cells;
 }
 

@@ -38,11 +38,9 @@ std::vector<int> triangles_off_surface(const Field& field, const TriangleMesh& m
 /// not simple (is_simple()) in the surface's inside, or such that the mesh's inside cannot be deformed into
 /// the surface's by simple points, one after the other: there a neck, slit, piece or hole is on the lattice
 /// of one and not of the other. And those at points around which the mesh goes more than once, or backwards.
-/// Only cells in `block` are looked for. triangles: those of the mesh in its planes and rows, and within
-/// `limit` of them; others make no difference. The lattice is taken in slabs of at most 2^24 points; its
-/// values are not read.
-std::vector<LatticeCell> cells_in_dispute(const Field& field, std::span<const Vec3> position,
-                                          std::span<const Triangle> triangles, double limit,
-                                          const SampledField& lattice, const LatticeBlock& block);
+/// Only cells in the blocks are looked for, in their order. Of the lattice at most 2^22 points, or thin
+/// slabs, are held by each thread; its values are not read.
+std::vector<LatticeCell> cells_in_dispute(const Field& field, const TriangleMesh& mesh, double limit,
+                                          const SampledField& lattice, std::span<const LatticeBlock> blocks);
 
 }  // namespace kappaflow

@@ -16,10 +16,11 @@ namespace {
 constexpr double kFarOff = 0.5, kOff = 0.18;  // distance of a triangle's centroid from f = 0, in edge lengths
 constexpr double kSeamOff = 0.3;              // the same of seams between frames
 constexpr double kDispute = 0.25;             // of a point of the lattice, in edge lengths
-constexpr double kBlockOverlap = 4;           // [cells] what cells_in_dispute() looks at around a block
-constexpr double kThread = 0.01;              // length of an edge around a thread, in edge lengths
-constexpr int kCluster = 2;                   // cells of a region are in blocks of so many that touch
-constexpr int kRegionGrowth = 1;              // of a region [cells], one more in each pass
+constexpr double kFewPoints =
+    1e6;  // of a lattice, that are compared before it is known where else there is surface
+constexpr double kThread = 0.01;  // length of an edge around a thread, in edge lengths
+constexpr int kCluster = 2;       // cells of a region are in blocks of so many that touch
+constexpr int kRegionGrowth = 1;  // of a region [cells], one more in each pass
 constexpr int kPasses = 3;
 
 /// Cells by the blocks of kCluster^3 that they lie in, ascending.
@@ -84,38 +85,19 @@ void add_cells_at_threads(const TriangleMesh& mesh, double shortest, const Sampl
         cells.push_back(cell_of(lattice, mesh.position[u]));
 }
 
-/// Where the inside of the mesh is not the surface's, as the lattice in the blocks tells.
-void add_cells_in_dispute(const Field& field, const TriangleMesh& mesh, double edge_length,
-                          const SampledField& lattice, std::span<const LatticeBlock> blocks,
-                          std::vector<LatticeCell>& cells) {
-  const double limit = kDispute * edge_length, reach = kBlockOverlap + limit / lattice.spacing;
-  const auto near = triangles_in_rows(lattice, mesh.position, mesh.triangles, blocks, reach);
-  std::vector<std::vector<LatticeCell>> disputed(blocks.size());
-  parallel_for(
-      blocks.size(),
-      [&](std::size_t b) {
-        disputed[b] = cells_in_dispute(field, mesh.position, near[b], limit, lattice, blocks[b]);
-      },
-      1);
-  for (const std::vector<LatticeCell>& of_block : disputed)
-    cells.insert(cells.end(), of_block.begin(), of_block.end());
-}
-
 /// Where there is surface or mesh.
 std::vector<LatticeBlock> everywhere(const Field& field, const TriangleMesh& mesh,
                                      const SampledField& lattice) {
   return occupied_blocks(field, lattice, cubes_of(lattice, mesh.position, mesh.triangles));
 }
 
-/// Those with fewer rows.
-std::vector<LatticeBlock> fewer_rows(std::vector<LatticeBlock> some, std::vector<LatticeBlock> others) {
-  const auto rows = [](std::span<const LatticeBlock> blocks) {
-    double sum = 0;
-    for (const LatticeBlock& b : blocks)
-      sum += (b.last[1] - b.first[1] + 1.0) * (b.last[2] - b.first[2] + 1.0);
-    return sum;
-  };
-  return rows(some) < rows(others) ? some : others;
+/// Where something was replaced or, where that is less, where there is surface or mesh.
+std::vector<LatticeBlock> to_compare(const Field& field, const TriangleMesh& mesh,
+                                     const SampledField& lattice, std::vector<LatticeBlock> replaced) {
+  const double points = points_in(replaced);
+  if (points <= kFewPoints) return replaced;
+  std::vector<LatticeBlock> all = everywhere(field, mesh, lattice);
+  return points_in(all) < points ? all : replaced;
 }
 
 }  // namespace
@@ -142,7 +124,9 @@ std::vector<LatticeCell> disputed_cells(const ReplacementSetting& setting, Compa
   std::ranges::copy(cells_of(lattice, mesh, intersecting_triangles(mesh.position, mesh.triangles)),
                     std::back_inserter(cells));
   add_cells_at_threads(mesh, kThread * edge_length, lattice, cells);
-  add_cells_in_dispute(field, mesh, edge_length, lattice, everywhere(field, mesh, lattice), cells);
+  std::ranges::copy(
+      cells_in_dispute(field, mesh, kDispute * edge_length, lattice, everywhere(field, mesh, lattice)),
+      std::back_inserter(cells));
   return cells;
 }
 
@@ -175,9 +159,8 @@ TopologyCounts TopologyChange::change(const Field& field, const TopologyOptions&
     replaced.blocks.clear();
     replace_regions(setting, regions_of(cells), kRegionGrowth + pass, edits_, replaced);
     edits_.drop_removed_triangles();
-    cells.clear();
-    add_cells_in_dispute(field, mesh, edge_length, lattice,
-                         fewer_rows(std::move(replaced.blocks), everywhere(field, mesh, lattice)), cells);
+    cells = cells_in_dispute(field, mesh, kDispute * edge_length, lattice,
+                             to_compare(field, mesh, lattice, std::move(replaced.blocks)));
   }
   edits_.finish();
   counts.replaced = replaced.regions;

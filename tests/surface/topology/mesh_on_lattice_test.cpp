@@ -1,6 +1,8 @@
 // What a lattice tells of a mesh: winding numbers, cells, bins of triangles, what stays between its points.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "surface/mesh/lattice_blocks.h"
@@ -16,6 +18,15 @@ namespace kappaflow {
 namespace {
 
 using testing::EllipsoidField;
+
+/// At the points of the part.
+std::vector<std::int8_t> winding_numbers(std::span<const Vec3> position, std::span<const Triangle> triangles,
+                                         const SampledField& part) {
+  const LatticeCell first{part.first_column, part.first_row, part.first_plane};
+  LatticeBlock block{first, first};
+  for (int a = 0; a < 3; ++a) block.last[a] += part.dims[a] - 1;
+  return WindingNumbers(position, triangles, part, std::array{block}).in(part);
+}
 
 TEST(WindingNumbers, AreTheSignOfTheFieldAroundItsIsosurface) {
   // Of the same lattice: each cell's triangles part its points inside from those outside.
@@ -37,29 +48,57 @@ TEST(WindingNumbers, AreTheSignOfTheFieldAroundItsIsosurface) {
   }
 }
 
-TEST(WindingNumbers, OfABlockNeedItsRowsAlone) {
+TEST(WindingNumbers, OfBlocksAreThoseOfTheWholeLattice) {
   const ParticleField field = testing::random_blobs(1, 40, 2.5);
   const TriangleMesh mesh = extract_isosurface(field, 0.1);
   const SampledField lattice = isosurface_lattice(field, 0.07);
   const std::vector<std::int8_t> all = winding_numbers(mesh.position, mesh.triangles, lattice);
-  const std::vector<LatticeBlock> blocks{{{20, 40, 33}, {50, 64, 60}}, {{0, 0, 0}, {9, 30, 4}}};
-  const auto near = triangles_in_rows(lattice, mesh.position, mesh.triangles, blocks, 0.01);
-  for (std::size_t b = 0; b < blocks.size(); ++b) {
-    const auto& [first, last] = blocks[b];
-    EXPECT_LT(near[b].size(), mesh.triangles.size());
+  const std::vector<LatticeBlock> blocks{
+      {{20, 40, 33}, {50, 64, 60}}, {{0, 0, 0}, {9, 30, 4}}, {{30, 41, 7}, {30, 41, 7}}};
+  const WindingNumbers numbers(mesh.position, mesh.triangles, lattice, blocks);
+  for (const auto& [first, last] : blocks) {
     SampledField part = lattice;
     part.first_column = first[0];
     part.first_row = first[1];
     part.first_plane = first[2];
     for (int a = 0; a < 3; ++a) part.dims[a] = last[a] - first[a] + 1;
-    const std::vector<std::int8_t> winding = winding_numbers(mesh.position, near[b], part);
+    const std::vector<std::int8_t> winding = numbers.in(part);
     std::size_t index = 0, wrong = 0;
     for (int k = first[2]; k <= last[2]; ++k)
       for (int j = first[1]; j <= last[1]; ++j)
         for (int i = first[0]; i <= last[0]; ++i, ++index)
           wrong += winding[index] !=
                    all[(static_cast<std::size_t>(k) * lattice.dims[1] + j) * lattice.dims[0] + i];
+    EXPECT_EQ(index, winding.size());
     EXPECT_EQ(wrong, 0u);
+  }
+}
+
+TEST(TrianglesNear, AreAllThatComeWithinReach) {
+  const ParticleField field = testing::random_blobs(2, 40, 2.5);
+  const TriangleMesh mesh = extract_isosurface(field, 0.1);
+  const SampledField lattice = isosurface_lattice(field, 0.03);
+  const std::vector<LatticeBlock> blocks{
+      {{60, 33, 70}, {95, 64, 96}}, {{64, 64, 64}, {64, 64, 64}}, {{0, 0, 0}, {3, 3, 3}}};
+  const double reach = 2.5;
+  const auto near = triangles_near(lattice, mesh.position, mesh.triangles, blocks, reach);
+  ASSERT_EQ(near.size(), blocks.size());
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    EXPECT_TRUE(std::ranges::is_sorted(near[b]));
+    EXPECT_LT(near[b].size(), mesh.triangles.size() / 2);
+    std::size_t within = 0;
+    for (int t = 0; t < static_cast<int>(mesh.triangles.size()); ++t) {
+      bool is_within = true;
+      for (int a = 0; a < 3; ++a) {
+        const auto place = [&](int v) { return (mesh.position[v][a] - lattice.origin[a]) / lattice.spacing; };
+        const auto& [u, v, w] = mesh.triangles[t];
+        const auto [least, most] = std::minmax({place(u), place(v), place(w)});
+        is_within = is_within && most + reach >= blocks[b].first[a] && least - reach <= blocks[b].last[a];
+      }
+      within += is_within;
+      EXPECT_TRUE(!is_within || std::ranges::binary_search(near[b], t)) << b << " " << t;
+    }
+    EXPECT_TRUE(within > 0 || b == 2);
   }
 }
 
