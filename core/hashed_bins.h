@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <numeric>
@@ -11,6 +12,15 @@
 #include "core/split_mix.h"
 
 namespace kappaflow {
+
+/// A key for a cell of a grid: 21 bits of each index. Cells 2^21 apart share one, which costs time only where
+/// what is found is looked at.
+template <class Index>
+std::uint64_t cell_key(const std::array<Index, 3>& cell) {
+  constexpr std::uint64_t kMask = (std::uint64_t{1} << 21) - 1;
+  return (static_cast<std::uint64_t>(cell[0]) & kMask) << 42 |
+         (static_cast<std::uint64_t>(cell[1]) & kMask) << 21 | (static_cast<std::uint64_t>(cell[2]) & kMask);
+}
 
 /// Numbers by 64-bit keys, in buckets that several keys may share, about four in each. In a bucket they keep
 /// the order in which they came.

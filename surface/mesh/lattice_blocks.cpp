@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <utility>
 
 #include "core/errors.h"
@@ -62,12 +61,6 @@ CubeRange cubes_of_block(const LatticeBlock& block) {
   return cubes;
 }
 
-/// Cubes that share a key, of lattices with more than 2^26 points along an axis, cost time only.
-std::uint64_t cube_key(const LatticeCube& cube) {
-  return static_cast<std::uint64_t>(cube[0]) << 42 | static_cast<std::uint64_t>(cube[1]) << 21 |
-         static_cast<std::uint64_t>(cube[2]);
-}
-
 }  // namespace
 
 double points_in(std::span<const LatticeBlock> blocks) {
@@ -117,14 +110,14 @@ std::vector<std::vector<int>> triangles_near(const SampledField& lattice, std::s
   std::vector<HashedBins::Entry> by_cube;
   for (std::size_t b = 0; b < blocks.size(); ++b)
     for_each_cube(cubes_of_block(blocks[b]), [&](const LatticeCube& cube) {
-      by_cube.push_back({cube_key(cube), static_cast<int>(b)});
+      by_cube.push_back({cell_key(cube), static_cast<int>(b)});
     });
   const HashedBins bins(by_cube);
   std::vector<std::vector<int>> result(blocks.size());
   for (std::size_t t = 0; t < triangles.size(); ++t)
     for_each_cube(cubes_around(lattice, position, triangles[t], reach), [&](const LatticeCube& cube) {
-      for (const auto& [key, b] : bins.near(cube_key(cube)))
-        if (key == cube_key(cube) && (result[b].empty() || result[b].back() != static_cast<int>(t)))
+      for (const auto& [key, b] : bins.near(cell_key(cube)))
+        if (key == cell_key(cube) && (result[b].empty() || result[b].back() != static_cast<int>(t)))
           result[b].push_back(static_cast<int>(t));
     });
   return result;

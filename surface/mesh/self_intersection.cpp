@@ -29,7 +29,15 @@ struct Box {
   }
 };
 
-using Corners = std::array<Vec3, 3>;
+constexpr std::int32_t kAllAxes = 7;  // bits of three axes
+
+/// Eight numbers from there on.
+template <class T, class Number>
+T eight_from(const Number* first) {
+  T eight;
+  std::memcpy(&eight, first, sizeof eight);
+  return eight;
+}
 
 /// In single precision, which keeps the order: boxes that meet still do.
 float single(double x) {
@@ -42,12 +50,8 @@ float single(double x) {
 class TriangleGrid {
  public:
   TriangleGrid(std::span<const Vec3> position, std::span<const Triangle> triangles, std::size_t known)
-      : position_(position),
-        triangles_(triangles),
-        known_(static_cast<int>(known)),
-        boxes_(triangles.size()) {
-    set_boxes();
-    set_entries();
+      : position_(position), triangles_(triangles), known_(static_cast<int>(known)) {
+    set_entries(make_boxes());
   }
 
   std::size_t intersections() const {
@@ -74,82 +78,87 @@ class TriangleGrid {
   using Entry = HashedBins::Entry;  // a cell's key and a triangle
   using Cell = std::array<std::uint64_t, 3>;
 
-  void set_boxes() {
+  /// The triangles' boxes; from them the size of the cells, and where they begin.
+  std::vector<Box> make_boxes() {
+    std::vector<Box> boxes(triangles_.size());
     Vec3 lower = Vec3::Constant(HUGE_VAL), upper = -lower, size = Vec3::Zero();
-    for (std::size_t t = 0; t < boxes_.size(); ++t) {
-      const auto& [a, b, c] = corners(static_cast<int>(t));
-      boxes_[t] = {a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)};
-      lower = lower.cwiseMin(boxes_[t].lower);
-      upper = upper.cwiseMax(boxes_[t].upper);
-      size += boxes_[t].upper - boxes_[t].lower;
+    for (std::size_t t = 0; t < boxes.size(); ++t) {
+      const Vec3 &a = position_[triangles_[t][0]], &b = position_[triangles_[t][1]],
+                 &c = position_[triangles_[t][2]];
+      boxes[t] = {a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)};
+      lower = lower.cwiseMin(boxes[t].lower);
+      upper = upper.cwiseMax(boxes[t].upper);
+      size += boxes[t].upper - boxes[t].lower;
     }
     origin_ = lower;
-    const double mean = size.maxCoeff() / static_cast<double>(std::max<std::size_t>(1, boxes_.size())),
+    const double mean = size.maxCoeff() / static_cast<double>(std::max<std::size_t>(1, boxes.size())),
                  extent = (upper - lower).maxCoeff();
     cell_size_ = std::max(2 * mean, extent / double{kMostCells});
+    return boxes;
   }
 
-  void set_entries() {
+  /// boxes: of the triangles.
+  void set_entries(std::span<const Box> boxes) {
     Box others = {Vec3::Constant(HUGE_VAL), Vec3::Constant(-HUGE_VAL)};
-    for (std::size_t t = known_; t < boxes_.size(); ++t)
-      others = {others.lower.cwiseMin(boxes_[t].lower), others.upper.cwiseMax(boxes_[t].upper)};
+    for (std::size_t t = known_; t < boxes.size(); ++t)
+      others = {others.lower.cwiseMin(boxes[t].lower), others.upper.cwiseMax(boxes[t].upper)};
     std::vector<Entry> found;
-    for (int t = 0; t < static_cast<int>(boxes_.size()); ++t) {
-      if (t < known_ && !boxes_[t].meets(others)) continue;
-      const Cell first = cell_of(boxes_[t].lower), last = cell_of(boxes_[t].upper);
+    for (int t = 0; t < static_cast<int>(boxes.size()); ++t) {
+      if (t < known_ && !boxes[t].meets(others)) continue;
+      const Cell first = cell_of(boxes[t].lower), last = cell_of(boxes[t].upper);
       for (std::uint64_t k = first[2]; k <= last[2]; ++k)
         for (std::uint64_t j = first[1]; j <= last[1]; ++j)
-          for (std::uint64_t i = first[0]; i <= last[0]; ++i) found.push_back({key({i, j, k}), t});
+          for (std::uint64_t i = first[0]; i <= last[0]; ++i) found.push_back({cell_key(Cell{i, j, k}), t});
     }
     bins_ = HashedBins(found);
+    const std::size_t padded = found.size() + kWide;
     for (auto* side : {&lower_, &upper_})
-      for (std::vector<float>& axis : *side) axis.resize(found.size() + kWide);
-    for (std::size_t e = 0; e < found.size(); ++e)
-      for (int a = 0; a < 3; ++a) {
-        const Box& box = boxes_[bins_.entries()[e].number];
-        lower_[a][e] = single(box.lower[a] - origin_[a]);
-        upper_[a][e] = single(box.upper[a] - origin_[a]);
-      }
+      for (std::vector<float>& axis : *side) axis.resize(padded);
+    for (std::vector<std::int32_t>& corner : corner_) corner.resize(padded);
+    begins_.resize(padded);
+    parallel_for(found.size(), [&](std::size_t e) { set_entry(e, boxes[bins_.entries()[e].number]); });
   }
 
-  Corners corners(int t) const {
-    const Triangle& triangle = triangles_[t];
-    return {position_[triangle[0]], position_[triangle[1]], position_[triangle[2]]};
+  /// What is known of an entry for comparisons with others.
+  void set_entry(std::size_t e, const Box& box) {
+    const auto& [key, triangle] = bins_.entries()[e];
+    const Cell first = cell_of(box.lower), cell = cell_of_key(key);
+    for (int a = 0; a < 3; ++a) {
+      lower_[a][e] = single(box.lower[a] - origin_[a]);
+      upper_[a][e] = single(box.upper[a] - origin_[a]);
+      corner_[a][e] = triangles_[triangle][a];
+      begins_[e] |= std::int32_t{first[a] == cell[a]} << a;
+    }
   }
+
   Cell cell_of(const Vec3& x) const {
     const Vec3 cells = (x - origin_) / cell_size_;
     const auto index = [&](int a) { return whole_within<std::uint64_t>(cells[a], 0, kMostCells); };
     return {index(0), index(1), index(2)};
   }
-  static std::uint64_t key(const Cell& cell) { return cell[0] << 42 | cell[1] << 21 | cell[2]; }
+  static Cell cell_of_key(std::uint64_t key) {
+    constexpr std::uint64_t kMask = (1u << 21) - 1;
+    return {key >> 42, key >> 21 & kMask, key & kMask};
+  }
 
-  /// Of eight entries from b on, those whose box may meet that of entry a, as bits.
-  unsigned boxes_met(std::size_t a, std::size_t b) const {
-    const auto load = [b](const std::vector<float>& values) -> Eight {
-      Eight eight;
-      std::memcpy(&eight, &values[b], sizeof eight);
-      return eight;
+  /// Of eight entries from b on, as bits, those that are to be compared with entry a if they are of its cell.
+  /// Boxes that meet may do so in several cells: they count in the one that holds their common lower corner,
+  /// where along each axis one of both begins. Most are those of neighbours along an edge, which cannot
+  /// cross.
+  unsigned candidates(std::size_t a, std::size_t b) const {
+    const auto floats = [b](const std::vector<float>& values) { return eight_from<Eight>(&values[b]); };
+    const auto ints = [b](const std::vector<std::int32_t>& values) {
+      return eight_from<EightInts>(&values[b]);
     };
     const auto meets = [&](int axis) -> EightInts {
-      return (load(lower_[axis]) <= upper_[axis][a]) & (load(upper_[axis]) >= lower_[axis][a]);
+      return (floats(lower_[axis]) <= upper_[axis][a]) & (floats(upper_[axis]) >= lower_[axis][a]);
     };
-    return lanes_of(meets(0) & meets(1) & meets(2));
-  }
-
-  /// A pair may meet in several cells; it counts in the one that holds their boxes' common lower corner.
-  bool cross_in(const Entry& a, const Entry& b) const {
-    if (a.key != b.key || share_edge(triangles_[a.number], triangles_[b.number])) return false;
-    const Box &box_a = boxes_[a.number], &box_b = boxes_[b.number];
-    return box_a.meets(box_b) && key(cell_of(box_a.lower.cwiseMax(box_b.lower))) == a.key &&
-           triangles_cross(position_, triangles_[a.number], triangles_[b.number]);
-  }
-
-  /// Most boxes that meet are those of neighbours, which cannot cross: triangles_cross() would find that
-  /// later.
-  static bool share_edge(const Triangle& a, const Triangle& b) {
-    int shared = 0;
-    for (const int v : a) shared += v == b[0] || v == b[1] || v == b[2];
-    return shared >= 2;
+    const EightInts met = meets(0) & meets(1) & meets(2) & ((ints(begins_) | begins_[a]) == kAllAxes);
+    if (lanes_of(met) == 0) return 0;
+    EightInts shared{};  // each corner that both have counts -1
+    for (const std::vector<std::int32_t>& corner : corner_)
+      for (const std::vector<std::int32_t>& other : corner_) shared += ints(other) == corner[a];
+    return lanes_of(met & (shared > -2));
   }
 
   template <class Visit>
@@ -161,9 +170,12 @@ class TriangleGrid {
     for (std::size_t a = bins_.start(bucket); a < end; ++a)
       for (std::size_t b = std::max(a + 1, first_other); b < end; b += kWide) {
         const unsigned within = end - b < kWide ? (1u << (end - b)) - 1 : ~0u;
-        for (unsigned lanes = boxes_met(a, b) & within; lanes != 0; lanes &= lanes - 1) {
+        for (unsigned lanes = candidates(a, b) & within; lanes != 0; lanes &= lanes - 1) {
           const std::size_t other = b + static_cast<std::size_t>(std::countr_zero(lanes));
-          if (cross_in(entries[a], entries[other])) visit(entries[a].number, entries[other].number);
+          const int t = entries[a].number, u = entries[other].number;
+          if (entries[a].key == entries[other].key &&
+              triangles_cross(position_, triangles_[t], triangles_[u]))
+            visit(t, u);
         }
       }
   }
@@ -171,11 +183,12 @@ class TriangleGrid {
   std::span<const Vec3> position_;
   std::span<const Triangle> triangles_;
   int known_;
-  std::vector<Box> boxes_;
   Vec3 origin_ = Vec3::Zero();
   double cell_size_ = 1;
   HashedBins bins_;
   std::array<std::vector<float>, 3> lower_, upper_;  // boxes of its entries, from the origin
+  std::array<std::vector<std::int32_t>, 3> corner_;  // of the entries' triangles
+  std::vector<std::int32_t> begins_;                 // bit a: along axis a the box begins in the entry's cell
 };
 
 }  // namespace

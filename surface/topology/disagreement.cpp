@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 #include "core/nearest_on_triangle.h"
 #include "core/parallel.h"
@@ -82,24 +84,60 @@ void deform(const std::array<int, 3>& dims, std::vector<LatticeCell>& points,
   } while (points.size() < before);
 }
 
-/// Calls visit(point) for the points of the samples in the triangle's box, widened by `reach` [m].
+/// Some points of a lattice, as bits, row by row: most boxes of triangles hold none of them.
+class PointSet {
+ public:
+  explicit PointSet(const std::array<int, 3>& dims)
+      : dims_(dims), words_((dims[0] + 63) / 64), bits_(words_ * dims[1] * dims[2], 0) {}
+
+  /// From any thread.
+  void add(const LatticeCell& at) {
+    std::atomic_ref(bits_[word(at[0], at[1], at[2])])
+        .fetch_or(std::uint64_t{1} << at[0] % 64, std::memory_order_relaxed);
+  }
+  bool has(const LatticeCell& at) const { return (bits_[word(at[0], at[1], at[2])] >> at[0] % 64 & 1) != 0; }
+
+  /// Calls visit(point) for those from `first` to `last`.
+  template <class Visit>
+  void for_each_in(const LatticeCell& first, const LatticeCell& last, const Visit& visit) const {
+    if (first[0] > last[0]) return;
+    for (int k = first[2]; k <= last[2]; ++k)
+      for (int j = first[1]; j <= last[1]; ++j)
+        for (int w = first[0] / 64; w <= last[0] / 64; ++w) {
+          std::uint64_t bits = bits_[word(64 * w, j, k)];
+          if (w == first[0] / 64) bits &= ~std::uint64_t{0} << first[0] % 64;
+          if (w == last[0] / 64) bits &= ~std::uint64_t{0} >> (63 - last[0] % 64);
+          for (; bits != 0; bits &= bits - 1) visit(LatticeCell{64 * w + std::countr_zero(bits), j, k});
+        }
+  }
+
+ private:
+  std::size_t word(int i, int j, int k) const {
+    return (static_cast<std::size_t>(k) * dims_[1] + j) * words_ + i / 64;
+  }
+
+  std::array<int, 3> dims_;
+  std::size_t words_;  // of a row
+  std::vector<std::uint64_t> bits_;
+};
+
+/// Calls visit(point, place) for those of the samples' points in the triangle's box, widened by `reach` [m].
 template <class Visit>
-void for_each_point_near(const std::array<Vec3, 3>& corner, double reach, const SampledField& samples,
-                         const Visit& visit) {
+void for_each_near(const PointSet& points, const std::array<Vec3, 3>& corner, double reach,
+                   const SampledField& samples, const Visit& visit) {
   const Vec3 origin =
       samples.origin + samples.spacing * Vec3(samples.first_column, samples.first_row, samples.first_plane);
   const Vec3 least = corner[0].cwiseMin(corner[1]).cwiseMin(corner[2]),
              most = corner[0].cwiseMax(corner[1]).cwiseMax(corner[2]);
-  LatticeCell first{}, last{}, at{};
+  LatticeCell first{}, last{};
   for (int i = 0; i < 3; ++i) {
     const int end = samples.dims[i];
-    first[i] = whole_within((least[i] - reach - origin[i]) / samples.spacing, 0, end) + 1;
-    last[i] = whole_within((most[i] + reach - origin[i]) / samples.spacing, -1, end - 1);
+    first[i] = whole_within(std::ceil((least[i] - reach - origin[i]) / samples.spacing), 0, end);
+    last[i] = whole_within(std::floor((most[i] + reach - origin[i]) / samples.spacing), -1, end - 1);
   }
-  for (at[2] = first[2]; at[2] <= last[2]; ++at[2])
-    for (at[1] = first[1]; at[1] <= last[1]; ++at[1])
-      for (at[0] = first[0]; at[0] <= last[0]; ++at[0])
-        visit(at, Vec3(origin + samples.spacing * Vec3(at[0], at[1], at[2])));
+  points.for_each_in(first, last, [&](const LatticeCell& at) {
+    visit(at, Vec3(origin + samples.spacing * Vec3(at[0], at[1], at[2])));
+  });
 }
 
 /// Points of the samples on which mesh and surface do not agree.
@@ -125,15 +163,19 @@ DisputedPoints disputed_in_plane(const SampledField& samples, std::span<const st
                                  double limit) {
   const auto [nx, ny, nz] = samples.dims;
   DisputedPoints found;
-  std::size_t index = static_cast<std::size_t>(k) * ny * nx;
-  for (int j = 0; j < ny; ++j)
-    for (int i = 0; i < nx; ++i, ++index) {
-      const double f = samples.value[index];
-      if (winding[index] == (f > 0 ? 1 : 0)) continue;
-      const bool once = winding[index] == 0 || winding[index] == 1;
+  for (int j = 0; j < ny; ++j) {
+    const std::size_t row = (static_cast<std::size_t>(k) * ny + j) * nx;
+    const auto agrees = [&](int i) { return winding[row + i] == std::int8_t{samples.value[row + i] > 0}; };
+    bool all_agree = true;
+    for (int i = 0; i < nx; ++i) all_agree &= agrees(i);
+    for (int i = 0; i < nx && !all_agree; ++i) {
+      if (agrees(i)) continue;
+      const bool once = winding[row + i] == 0 || winding[row + i] == 1;
       const LatticeCell at{i, j, k};
-      (once && is_near_surface(samples, at, f, limit) ? found.near : found.certain).push_back(at);
+      const bool is_near = once && is_near_surface(samples, at, samples.value[row + i], limit);
+      (is_near ? found.near : found.certain).push_back(at);
     }
+  }
   return found;
 }
 
@@ -143,25 +185,17 @@ DisputedPoints disputed_in_plane(const SampledField& samples, std::span<const st
 void move_far_from_mesh(const TriangleMesh& mesh, std::span<const int> near, double limit,
                         const SampledField& samples, DisputedPoints& disputed) {
   if (disputed.near.empty()) return;
-  enum Mark : char { other, asked, found };
-  std::vector<char> mark(static_cast<std::size_t>(samples.dims[0]) * samples.dims[1] * samples.dims[2],
-                         other);
-  const auto mark_of = [&](const LatticeCell& at) -> char& {
-    return mark[at[0] + samples.dims[0] * (at[1] + static_cast<std::size_t>(samples.dims[1]) * at[2])];
-  };
-  for (const LatticeCell& at : disputed.near) mark_of(at) = asked;
+  PointSet asked(samples.dims), reached(samples.dims);
+  for (const LatticeCell& at : disputed.near) asked.add(at);
   parallel_for(near.size(), [&](std::size_t n) {
     const auto& [a, b, c] = mesh.triangles[near[n]];
     const std::array<Vec3, 3> corner{mesh.position[a], mesh.position[b], mesh.position[c]};
-    for_each_point_near(corner, limit, samples, [&](const LatticeCell& at, const Vec3& x) {
-      const std::atomic_ref<char> state(mark_of(at));
-      if (state.load(std::memory_order_relaxed) != asked) return;
-      if ((nearest_on_triangle(corner, x).point - x).norm() <= limit)
-        state.store(found, std::memory_order_relaxed);
+    for_each_near(asked, corner, limit, samples, [&](const LatticeCell& at, const Vec3& x) {
+      if ((nearest_on_triangle(corner, x).point - x).norm() <= limit) reached.add(at);
     });
   });
   const auto far = std::stable_partition(disputed.near.begin(), disputed.near.end(),
-                                         [&](const LatticeCell& at) { return mark_of(at) == found; });
+                                         [&](const LatticeCell& at) { return reached.has(at); });
   disputed.certain.insert(disputed.certain.end(), far, disputed.near.end());
   disputed.near.erase(far, disputed.near.end());
 }

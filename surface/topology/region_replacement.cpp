@@ -66,7 +66,7 @@ bool exchange(const Replacement& found, int vertex_count, MeshEdits& edits, Repl
 }  // namespace
 
 void replace_regions(const ReplacementSetting& setting, const std::vector<std::vector<LatticeCell>>& regions,
-                     int growth, MeshEdits& edits, Replaced& replaced) {
+                     int growth, MeshEdits& edits, VertexCells& vertices, Replaced& replaced) {
   std::vector<LatticeBlock> box;
   std::vector<int> pending;
   for (const std::vector<LatticeCell>& cells : regions) {
@@ -75,7 +75,6 @@ void replace_regions(const ReplacementSetting& setting, const std::vector<std::v
     std::erase_if(replaced.refused,
                   [&](const LatticeBlock& before) { return meet(before, box_around(cells, 0)); });
   }
-  VertexCells vertices(setting.lattice);
   while (!pending.empty()) {
     vertices.add(edits.mesh());
     const int vertex_count = static_cast<int>(edits.mesh().vertex_count());

@@ -19,8 +19,8 @@ struct Replaced {
 /// Replacements that do not depend on each other are found in parallel and made in the order of the regions;
 /// the others wait for a later round: results do not depend on the threads. Those that stay as they were,
 /// because no sound mesh was found, are refused; one that was before and is near a region of this call is
-/// not.
+/// not. vertices: of the mesh, some or all; new ones are entered.
 void replace_regions(const ReplacementSetting& setting, const std::vector<std::vector<LatticeCell>>& regions,
-                     int growth, MeshEdits& edits, Replaced& replaced);
+                     int growth, MeshEdits& edits, VertexCells& vertices, Replaced& replaced);
 
 }  // namespace kappaflow

@@ -154,10 +154,11 @@ TopologyCounts TopologyChange::change(const Field& field, const TopologyOptions&
   std::vector<LatticeCell> cells = disputed_cells(setting, comparison, mesh);
   if (cells.empty()) return counts;
   edits_.start(mesh);
+  VertexCells vertices(lattice);
   Replaced replaced;
   for (int pass = 0; pass < kPasses && !cells.empty(); ++pass) {
     replaced.blocks.clear();
-    replace_regions(setting, regions_of(cells), kRegionGrowth + pass, edits_, replaced);
+    replace_regions(setting, regions_of(cells), kRegionGrowth + pass, edits_, vertices, replaced);
     edits_.drop_removed_triangles();
     cells = cells_in_dispute(field, mesh, kDispute * edge_length, lattice,
                              to_compare(field, mesh, lattice, std::move(replaced.blocks)));

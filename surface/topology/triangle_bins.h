@@ -24,7 +24,8 @@ class TriangleBins {
                       last = space_cell(x.cwiseMax(y).cwiseMax(z).array() + reach, size_);
       for (std::int64_t k = first[2]; k <= last[2]; ++k)
         for (std::int64_t j = first[1]; j <= last[1]; ++j)
-          for (std::int64_t i = first[0]; i <= last[0]; ++i) entries.push_back({key({i, j, k}), t});
+          for (std::int64_t i = first[0]; i <= last[0]; ++i)
+            entries.push_back({cell_key(SpaceCell{i, j, k}), t});
     }
     bins_ = HashedBins(entries);
   }
@@ -32,19 +33,13 @@ class TriangleBins {
   /// Whether `test` holds for a triangle of x's cell.
   template <class Test>
   bool any_near(const Vec3& x, const Test& test) const {
-    const std::uint64_t at = key(space_cell(x, size_));
+    const std::uint64_t at = cell_key(space_cell(x, size_));
     return std::ranges::any_of(bins_.near(at), [&](const HashedBins::Entry& entry) {
       return entry.key == at && test(entry.number);
     });
   }
 
  private:
-  /// 21 bits an axis; cells that share a key cost time only.
-  static std::uint64_t key(const SpaceCell& c) {
-    constexpr std::uint64_t kMask = (1u << 21) - 1;
-    return (static_cast<std::uint64_t>(c[0]) & kMask) << 42 |
-           (static_cast<std::uint64_t>(c[1]) & kMask) << 21 | (static_cast<std::uint64_t>(c[2]) & kMask);
-  }
   double size_;
   HashedBins bins_;
 };

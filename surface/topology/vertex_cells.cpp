@@ -5,13 +5,12 @@
 namespace kappaflow {
 
 void VertexCells::add(const TriangleMesh& mesh) {
-  const auto known = static_cast<std::ptrdiff_t>(entries_.size());
-  for (std::size_t v = entries_.size(); v < mesh.vertex_count(); ++v) {
-    const auto [i, j, k] = coarser(cell_of(lattice_, mesh.position[v]), kBin);
-    entries_.push_back({{k, j, i}, static_cast<int>(v)});
+  std::vector<HashedBins::Entry> entries;
+  for (; known_ < mesh.vertex_count(); ++known_) {
+    const LatticeCell bin = coarser(cell_of(lattice_, mesh.position[known_]), kBin);
+    entries.push_back({cell_key(bin), static_cast<int>(known_)});
   }
-  std::sort(entries_.begin() + known, entries_.end());
-  std::inplace_merge(entries_.begin(), entries_.begin() + known, entries_.end());
+  if (!entries.empty()) added_.emplace_back(entries);
 }
 
 }  // namespace kappaflow

@@ -1,10 +1,9 @@
 // Finds the vertices of a mesh near some cells of a lattice.
 #pragma once
 
-#include <algorithm>
-#include <utility>
 #include <vector>
 
+#include "core/hashed_bins.h"
 #include "surface/mesh/triangle_mesh.h"
 #include "surface/topology/cell_region.h"
 
@@ -18,24 +17,25 @@ class VertexCells {
   /// Enters the mesh's vertices from the first on that are not in it.
   void add(const TriangleMesh& mesh);
 
-  /// Calls visit(v) for vertices that include those in the block's cells.
+  /// Calls visit(v) for vertices that include those in the block's cells, each once.
   template <class Visit>
   void for_each_in(const LatticeBlock& block, const Visit& visit) const {
     const LatticeCell first = coarser(block.first, kBin), last = coarser(block.last, kBin);
-    for (int k = first[2]; k <= last[2]; ++k)
-      for (int j = first[1]; j <= last[1]; ++j) {
-        auto e = std::ranges::lower_bound(entries_, Entry{{k, j, first[0]}, -1});
-        for (; e != entries_.end() && e->first <= LatticeCell{k, j, last[0]}; ++e) visit(e->second);
-      }
+    LatticeCell bin;
+    for (bin[2] = first[2]; bin[2] <= last[2]; ++bin[2])
+      for (bin[1] = first[1]; bin[1] <= last[1]; ++bin[1])
+        for (bin[0] = first[0]; bin[0] <= last[0]; ++bin[0])
+          for (const HashedBins& added : added_)
+            for (const auto& [key, v] : added.near(cell_key(bin)))
+              if (key == cell_key(bin)) visit(v);
   }
 
  private:
   static constexpr int kBin = 4;  // [cells]
-  /// Of each vertex the bin's numbers, the last axis first, and its own.
-  using Entry = std::pair<LatticeCell, int>;
 
   const SampledField& lattice_;
-  std::vector<Entry> entries_;
+  std::vector<HashedBins> added_;  // by each call of add()
+  std::size_t known_ = 0;          // vertices in them
 };
 
 }  // namespace kappaflow

@@ -78,8 +78,11 @@ TEST(TrianglesNear, AreAllThatComeWithinReach) {
   const ParticleField field = testing::random_blobs(2, 40, 2.5);
   const TriangleMesh mesh = extract_isosurface(field, 0.1);
   const SampledField lattice = isosurface_lattice(field, 0.03);
-  const std::vector<LatticeBlock> blocks{
-      {{60, 33, 70}, {95, 64, 96}}, {{64, 64, 64}, {64, 64, 64}}, {{0, 0, 0}, {3, 3, 3}}};
+  const LatticeCell there = cell_of(lattice, mesh.position[100]),
+                    elsewhere = cell_of(lattice, mesh.position[500]);
+  LatticeBlock wide{there, there};
+  for (int a = 0; a < 3; ++a) wide.last[a] += 20;
+  const std::vector<LatticeBlock> blocks{wide, {elsewhere, elsewhere}, {{0, 0, 0}, {3, 3, 3}}};
   const double reach = 2.5;
   const auto near = triangles_near(lattice, mesh.position, mesh.triangles, blocks, reach);
   ASSERT_EQ(near.size(), blocks.size());

@@ -277,13 +277,14 @@ TEST(Regions, ThatAreRefusedCountUntilTheyAreTriedAgain) {
   const auto above = cell_at(-2, radius), below = cell_at(-2, -radius), other = cell_at(0, radius);
   MeshEdits edits;
   edits.start(mesh);
+  VertexCells cells(lattice);
   Replaced replaced;
-  replace_regions(setting, {above, other}, 1, edits, replaced);
+  replace_regions(setting, {above, other}, 1, edits, cells, replaced);
   EXPECT_EQ(replaced.refused.size(), 1u);
   EXPECT_EQ(replaced.regions, 1u);
-  replace_regions(setting, {below}, 1, edits, replaced);
+  replace_regions(setting, {below}, 1, edits, cells, replaced);
   EXPECT_EQ(replaced.refused.size(), 2u);
-  replace_regions(setting, {above}, 1, edits, replaced);
+  replace_regions(setting, {above}, 1, edits, cells, replaced);
   EXPECT_EQ(replaced.refused.size(), 2u) << "once more, and not twice";
   edits.drop_removed_triangles();
   edits.finish();
