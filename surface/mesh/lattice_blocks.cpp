@@ -52,11 +52,12 @@ CubeRange cubes_around(const SampledField& lattice, std::span<const Vec3> positi
   return cubes;
 }
 
+/// Those of the block's cells; of a point, that of a cell at it.
 CubeRange cubes_of_block(const LatticeBlock& block) {
   CubeRange cubes;
   for (int a = 0; a < 3; ++a) {
     cubes.first[a] = block.first[a] / kCubeCells;
-    cubes.last[a] = block.last[a] / kCubeCells;
+    cubes.last[a] = std::max(block.first[a], block.last[a] - 1) / kCubeCells;
   }
   return cubes;
 }
@@ -115,7 +116,7 @@ std::vector<std::vector<int>> triangles_near(const SampledField& lattice, std::s
   const HashedBins bins(by_cube);
   std::vector<std::vector<int>> result(blocks.size());
   for (std::size_t t = 0; t < triangles.size(); ++t)
-    for_each_cube(cubes_around(lattice, position, triangles[t], reach), [&](const LatticeCube& cube) {
+    for_each_cube(cubes_around(lattice, position, triangles[t], reach + 1), [&](const LatticeCube& cube) {
       for (const auto& [key, b] : bins.near(cell_key(cube)))
         if (key == cell_key(cube) && (result[b].empty() || result[b].back() != static_cast<int>(t)))
           result[b].push_back(static_cast<int>(t));

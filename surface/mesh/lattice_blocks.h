@@ -30,7 +30,7 @@ std::vector<LatticeBlock> blocks_of(const SampledField& lattice, std::vector<Lat
 std::vector<LatticeBlock> occupied_blocks(const Field& field, const SampledField& lattice,
                                           std::vector<LatticeCube> others = {});
 
-/// Of each block the triangles, by number, in whose cubes or within `reach` cells of them it is; ascending.
+/// Of each block the triangles, by number, that come within `reach` cells of it, and some more; ascending.
 std::vector<std::vector<int>> triangles_near(const SampledField& lattice, std::span<const Vec3> position,
                                              std::span<const Triangle> triangles,
                                              std::span<const LatticeBlock> blocks, double reach);

@@ -90,12 +90,9 @@ class PointSet {
   explicit PointSet(const std::array<int, 3>& dims)
       : dims_(dims), words_((dims[0] + 63) / 64), bits_(words_ * dims[1] * dims[2], 0) {}
 
-  /// From any thread.
-  void add(const LatticeCell& at) {
-    std::atomic_ref(bits_[word(at[0], at[1], at[2])])
-        .fetch_or(std::uint64_t{1} << at[0] % 64, std::memory_order_relaxed);
-  }
-  bool has(const LatticeCell& at) const { return (bits_[word(at[0], at[1], at[2])] >> at[0] % 64 & 1) != 0; }
+  // Other threads may add points at the same time.
+  void add(const LatticeCell& at) { word_of(at).fetch_or(bit_of(at), std::memory_order_relaxed); }
+  bool has(const LatticeCell& at) { return (word_of(at).load(std::memory_order_relaxed) & bit_of(at)) != 0; }
 
   /// Calls visit(point) for those from `first` to `last`.
   template <class Visit>
@@ -115,6 +112,10 @@ class PointSet {
   std::size_t word(int i, int j, int k) const {
     return (static_cast<std::size_t>(k) * dims_[1] + j) * words_ + i / 64;
   }
+  std::atomic_ref<std::uint64_t> word_of(const LatticeCell& at) {
+    return std::atomic_ref(bits_[word(at[0], at[1], at[2])]);
+  }
+  static std::uint64_t bit_of(const LatticeCell& at) { return std::uint64_t{1} << at[0] % 64; }
 
   std::array<int, 3> dims_;
   std::size_t words_;  // of a row
@@ -191,7 +192,7 @@ void move_far_from_mesh(const TriangleMesh& mesh, std::span<const int> near, dou
     const auto& [a, b, c] = mesh.triangles[near[n]];
     const std::array<Vec3, 3> corner{mesh.position[a], mesh.position[b], mesh.position[c]};
     for_each_near(asked, corner, limit, samples, [&](const LatticeCell& at, const Vec3& x) {
-      if ((nearest_on_triangle(corner, x).point - x).norm() <= limit) reached.add(at);
+      if (!reached.has(at) && (nearest_on_triangle(corner, x).point - x).norm() <= limit) reached.add(at);
     });
   });
   const auto far = std::stable_partition(disputed.near.begin(), disputed.near.end(),
@@ -321,7 +322,8 @@ std::vector<LatticeCell> cells_in_dispute(const Field& field, const TriangleMesh
   for (const LatticeBlock& block : blocks) add_slabs(lattice, widened(lattice, block, 0), slabs);
   for (const LatticeBlock& slab : slabs) read.push_back(widened(lattice, slab, kOverlap));
   const WindingNumbers numbers(mesh.position, mesh.triangles, lattice, read);
-  const auto near = triangles_near(lattice, mesh.position, mesh.triangles, read, limit / lattice.spacing);
+  const auto near =
+      triangles_near(lattice, mesh.position, mesh.triangles, slabs, kOverlap + limit / lattice.spacing);
   std::vector<std::vector<LatticeCell>> found(slabs.size());
   parallel_for(
       slabs.size(),
