@@ -45,7 +45,7 @@ class Tracker:
                  methods: VelocityMethod | Sequence[VelocityMethod] | None = None, anchor: str = "none",
                  sigma: float | None = None, threshold: float | None = None, weights: str = "uniform",
                  kernels: str = "round", edge_length: float = 0.5,
-                 remesh: bool = True, topology: bool = True, motion_per_step: float = 0.5, damping: float = 0.1,
+                 remesh: bool = True, topology: bool = True, motion_per_step: float = 1.0, damping: float = 0.1,
                  speed_limit: float = 1) -> None:
         self._is_cloud = velocities is None
         self._new_ids = 0

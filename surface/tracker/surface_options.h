@@ -30,7 +30,7 @@ struct SurfaceOptions {
   bool is_cloud = false;
   /// The fast particles move by this at most in one step, in units of sigma; infinite: the caller's instants
   /// are the steps.
-  double motion_per_step = 0.5;
+  double motion_per_step = 1.0;
   /// One surface for each, all from the same first mesh: moved by a velocity or meshed anew in every frame;
   /// empty: evaluate_material, or evaluate_regional for a point cloud.
   std::vector<SurfaceMethod> velocities{};

@@ -86,9 +86,9 @@ TEST(TrackedSurfaces, SigmaAndThresholdComeFromTheFirstParticles) {
   EXPECT_EQ(given.threshold, 1.5);
 }
 
-TEST(TrackedSurfaces, FastParticlesMoveHalfOfSigmaAStep) {
+TEST(TrackedSurfaces, FastParticlesMoveSigmaAStep) {
   TrackedSurfaces surface(ball(0), {.spacing = kSpacing});
-  const double instant = 0.56;  // 1.4 sigma on
+  const double instant = 1.12;  // 2.8 sigma on
   EXPECT_EQ(surface.steps_to(ball(instant)), 3);
   std::vector<double> starts, ends;
   EXPECT_TRUE(surface.step(ball(instant), [&](FieldMotion& step) {
@@ -112,7 +112,7 @@ TEST(TrackedSurfaces, FastParticlesMoveHalfOfSigmaAStep) {
 TEST(TrackedSurfaces, AreStoppedBetweenSteps) {
   TrackedSurfaces surface(ball(0), {.spacing = kSpacing});
   int steps = 0;
-  EXPECT_FALSE(surface.step(ball(0.56), [&](FieldMotion&) { return ++steps < 2; }));
+  EXPECT_FALSE(surface.step(ball(1.12), [&](FieldMotion&) { return ++steps < 2; }));
   EXPECT_EQ(steps, 2);
 }
 
@@ -121,20 +121,20 @@ TEST(TrackedSurfaces, AreTheTrackersThatTheyHold) {
   const SurfaceOptions options{
       .spacing = kSpacing, .threshold = 2, .velocities = {evaluate_normal, evaluate_regional}};
   TrackedSurfaces surfaces(ball(0), options);
-  surfaces.advance(ball(0.24));
+  surfaces.advance(ball(0.48));
 
   const ParticleFieldOptions field{.sigma = 2 * kSpacing, .threshold = 2};
   for (std::size_t m = 0; m < 2; ++m) {
     const TrackerOptions by_hand{.method = std::get<VelocityFunction>(options.velocities[m]),
                                  .remeshing = {.edge_length = 0.5 * field.sigma},
                                  .topology = {.follows_field = true}};
-    ParticleMotion motion(ball(0), ball(0.24), field);
+    ParticleMotion motion(ball(0), ball(0.48), field);
     TriangleMesh start = initial_mesh(*motion.at(0), 0.5 * field.sigma, {});
     SurfaceTracker tracker(SurfaceTracker::settled(*motion.at(0), std::move(start), by_hand), by_hand);
-    MotionPart first(motion, 0, 0.12), second(motion, 0.12, 0.24);
+    MotionPart first(motion, 0, 0.24), second(motion, 0.24, 0.48);
     tracker.step(first);
     tracker.step(second);
-    tracker.settle(*motion.at(0.24));
+    tracker.settle(*motion.at(0.48));
     EXPECT_EQ(surfaces.mesh(m).position, tracker.mesh().position);
     EXPECT_EQ(surfaces.mesh(m).triangles, tracker.mesh().triangles);
     EXPECT_EQ(surfaces.mesh(m).id, tracker.mesh().id);
