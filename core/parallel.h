@@ -2,9 +2,11 @@
 #pragma once
 
 #include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 #include <tbb/partitioner.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -35,6 +37,12 @@ struct TaskOrder {
   void join() const {}
 };
 #endif
+
+/// How many threads may work on a loop. Results must not depend on it.
+inline int parallel_threads() {
+  const std::size_t allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  return std::min(tbb::this_task_arena::max_concurrency(), static_cast<int>(allowed));
+}
 
 /// Elements that a task works on when the caller does not say; also fixes the summation tree of the
 /// reductions.

@@ -38,13 +38,13 @@ inline bool crosses(const Vec3& p, const Vec3& q, const std::array<Vec3, 3>& t) 
 }
 
 /// Whether an edge of a that has no vertex in common with b crosses b; false where they share two vertices.
-inline bool edges_cross(std::span<const Vec3> position, const Triangle& a, const Triangle& b) {
+inline bool edges_cross(const Triangle& a, const std::array<Vec3, 3>& at_a, const Triangle& b,
+                        const std::array<Vec3, 3>& at_b) {
   std::array<bool, 3> shared;
   for (int i = 0; i < 3; ++i) shared[i] = std::ranges::find(b, a[i]) != b.end();
-  const std::array<Vec3, 3> at_b{position[b[0]], position[b[1]], position[b[2]]};
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3;
-    if (!shared[i] && !shared[j] && crosses(position[a[i]], position[a[j]], at_b)) return true;
+    if (!shared[i] && !shared[j] && crosses(at_a[i], at_a[j], at_b)) return true;
   }
   return false;
 }
@@ -55,8 +55,13 @@ inline bool edges_cross(std::span<const Vec3> position, const Triangle& a, const
 /// vertex, only the edges opposite to it can. In double precision: where an edge meets a triangle's rim
 /// within rounding, about 1e-15 of the coordinates, the answer may be either; one that lies in its plane
 /// within that does not cross it.
+inline bool triangles_cross(const Triangle& a, const std::array<Vec3, 3>& at_a, const Triangle& b,
+                            const std::array<Vec3, 3>& at_b) {
+  return triangle_crossing::edges_cross(a, at_a, b, at_b) || triangle_crossing::edges_cross(b, at_b, a, at_a);
+}
 inline bool triangles_cross(std::span<const Vec3> position, const Triangle& a, const Triangle& b) {
-  return triangle_crossing::edges_cross(position, a, b) || triangle_crossing::edges_cross(position, b, a);
+  return triangles_cross(a, {position[a[0]], position[a[1]], position[a[2]]}, b,
+                         {position[b[0]], position[b[1]], position[b[2]]});
 }
 
 }  // namespace kappaflow

@@ -26,8 +26,8 @@ void MeshEdits::start(TriangleMesh& mesh, const EditGuard* guard) {
   mesh_ = &mesh;
   guard_ = guard;
   history_.vertices_at_start = static_cast<int>(mesh.vertex_count());
-  mark_.assign(mesh.vertex_count(), 0);
-  question_ = 0;
+  touched_.assign(mesh.vertex_count(), 0);
+  made_ = 0;
   set_twins();
 }
 
@@ -56,8 +56,9 @@ int MeshEdits::valence(int v) const {
 int MeshEdits::find(int u, int v) const {
   if (!is_alive(u) || !is_alive(v)) return -1;
   int found = -1;
-  for_each_out(u, [&](int h) {
+  all_out(u, [&](int h) {
     if (end(h) == v) found = h;
+    return found < 0;
   });
   return found;
 }
@@ -67,12 +68,18 @@ void MeshEdits::link(int h, int twin) {
   twin_[twin] = h;
 }
 
+/// For an edit that changes all triangles around v.
+void MeshEdits::touch_fan(int v) {
+  touched_[v] = made_;
+  for_each_out(v, [&](int out) { touched_[end(out)] = made_; });
+}
+
 int MeshEdits::add_vertex(const VertexBlend& from, const Vec3& x) {
   const int v = static_cast<int>(mesh_->vertex_count());
   mesh_->position.push_back(x);
   complete_vertex(*mesh_, v, &from);
   out_.push_back(-1);
-  mark_.push_back(0);
+  touched_.push_back(made_);
   return v;
 }
 
@@ -82,9 +89,16 @@ int MeshEdits::add_triangle(const Triangle& triangle) {
   return static_cast<int>(mesh_->triangles.size()) - 1;
 }
 
+bool MeshEdits::can_split(int h, const Vec3& x) const {
+  const Vec3 &u = at(origin(h)), &v = at(end(h));
+  return allows(u, v, at(apex(h)), x) && allows(v, u, at(apex(twin_[h])), x);
+}
+
 int MeshEdits::split(int h, double share, const Vec3& x) {
+  if (!can_split(h, x)) return -1;
   const int t = twin_[h], u = origin(h), v = end(h), a = apex(h), b = apex(t);
-  if (!allows(at(u), at(v), at(a), x) || !allows(at(v), at(u), at(b), x)) return -1;
+  ++made_;
+  touch({u, v, a, b});
   const int va = twin_[next_half_edge(h)], au = twin_[previous_half_edge(h)], ub = twin_[next_half_edge(t)],
             bv = twin_[previous_half_edge(t)];
   const int m = add_vertex({{u, v, v}, {1 - share, share, 0}}, x);
@@ -108,9 +122,16 @@ int MeshEdits::split(int h, double share, const Vec3& x) {
   return m;
 }
 
+bool MeshEdits::can_split_triangle(int triangle, const Vec3& x) const {
+  const auto& [a, b, c] = mesh_->triangles[triangle];
+  return allows(at(a), at(b), at(c), x);
+}
+
 int MeshEdits::split(int triangle, const VertexBlend& from, const Vec3& x) {
+  if (!can_split_triangle(triangle, x)) return -1;
   const auto [a, b, c] = mesh_->triangles[triangle];
-  if (!allows(at(a), at(b), at(c), x)) return -1;
+  ++made_;
+  touch({a, b, c});
   const int first = 3 * triangle, bc = twin_[first + 1], ca = twin_[first + 2];
   const int m = add_vertex(from, x), second = 3 * add_triangle({b, c, m}),
             third = 3 * add_triangle({c, a, m});
@@ -127,29 +148,27 @@ int MeshEdits::split(int triangle, const VertexBlend& from, const Vec3& x) {
   return m;
 }
 
-bool MeshEdits::can_collapse(int h) {
+bool MeshEdits::can_collapse(int h) const {
   const int u = origin(h), v = end(h);
   if (valence(apex(h)) <= 3 || valence(apex(twin_[h])) <= 3) return false;
-  ++question_;
-  for_each_out(u, [&](int out) { mark_[end(out)] = question_; });
   int common = 0;
-  for_each_out(v, [&](int out) { common += mark_[end(out)] == question_; });
-  return common == 2;
+  for_each_out(v, [&](int out) { common += find(u, end(out)) >= 0; });
+  return common == 2 && allows_fan(u, at(v));
 }
 
 /// Whether the triangles around v may go along with it to x.
 bool MeshEdits::allows_fan(int v, const Vec3& x) const {
-  if (guard_ == nullptr) return true;
-  bool allowed = true;
-  for_each_out(v, [&](int out) { allowed = allowed && allows(at(v), at(end(out)), at(apex(out)), x); });
-  return allowed;
+  return guard_ == nullptr ||
+         all_out(v, [&](int out) { return guard_->allows(at(v), at(end(out)), at(apex(out)), x); });
 }
 
-bool MeshEdits::collapse(int h) {
-  if (!can_collapse(h) || !allows_fan(origin(h), at(end(h)))) return false;
+bool MeshEdits::collapse(int h, bool asked) {
+  if (!asked && !can_collapse(h)) return false;
   const int t = twin_[h], u = origin(h), v = end(h), a = apex(h), b = apex(t);
   const int va = twin_[next_half_edge(h)], au = twin_[previous_half_edge(h)], ub = twin_[next_half_edge(t)],
             bv = twin_[previous_half_edge(t)];
+  ++made_;
+  touch_fan(u);
   for_each_out(u, [&](int out) { mesh_->triangles[out / 3][out % 3] = v; });
   link(va, au);
   link(ub, bv);
@@ -169,6 +188,8 @@ bool MeshEdits::flip(int h) {
   const int va = twin_[next_half_edge(h)], au = twin_[previous_half_edge(h)], ub = twin_[next_half_edge(t)],
             bv = twin_[previous_half_edge(t)];
   const int left = h / 3, right = t / 3;
+  ++made_;
+  touch({u, v, a, b});
   mesh_->triangles[left] = {u, b, a};
   mesh_->triangles[right] = {v, a, b};
   link(3 * left, ub);
@@ -184,7 +205,9 @@ bool MeshEdits::flip(int h) {
 }
 
 int MeshEdits::replace(int v, const VertexBlend& from, const Vec3& x) {
-  if (!allows_fan(v, x)) return -1;
+  if (!can_replace(v, x)) return -1;
+  ++made_;
+  touch_fan(v);
   const int m = add_vertex(from, x);
   const int first = out_[v];
   for_each_out(v, [&](int out) { mesh_->triangles[out / 3][out % 3] = m; });
@@ -263,7 +286,8 @@ bool MeshEdits::exchange(std::span<const int> removed, std::span<const Triangle>
   for (std::size_t v = first_tried; v < mesh_->vertex_count(); ++v)
     complete_vertex(*mesh_, v, from.empty() ? nullptr : &from[v - first_tried]);
   out_.resize(mesh_->vertex_count(), -1);
-  mark_.resize(mesh_->vertex_count(), 0);
+  touched_.resize(mesh_->vertex_count(), 0);
+  ++made_;
   std::vector<int> open;
   take_out(removed, open);
   put_in(added, open);
@@ -275,6 +299,7 @@ void MeshEdits::take_out(std::span<const int> removed, std::vector<int>& open) {
   for (const int t : removed)
     for (int h = 3 * t; h < 3 * t + 3; ++h) {
       out_[origin(h)] = -1;
+      touch({origin(h)});
       open.push_back(twin_[h]);
     }
   for (const int t : removed) mesh_->triangles[t] = kRemovedTriangle;
@@ -289,7 +314,10 @@ void MeshEdits::put_in(std::span<const Triangle> added, std::vector<int>& open) 
   const auto edge = [&](int h) { return std::pair<int, int>(std::minmax({origin(h), end(h)})); };
   std::ranges::sort(open, [&](int g, int h) { return std::pair(edge(g), g) < std::pair(edge(h), h); });
   for (std::size_t i = 0; i < open.size(); i += 2) link(open[i], open[i + 1]);
-  for (const int h : open) out_[origin(h)] = h;
+  for (const int h : open) {
+    out_[origin(h)] = h;
+    touch({origin(h)});
+  }
 }
 
 void MeshEdits::drop_removed_triangles() {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <initializer_list>
 #include <span>
 #include <vector>
 
@@ -16,7 +17,7 @@ namespace kappaflow {
 class EditGuard {
  public:
   virtual ~EditGuard() = default;
-  /// Whether the tetrahedron may be swept. Must not depend on calls before.
+  /// Whether the tetrahedron may be swept. Must not depend on calls before; is called in parallel.
   virtual bool allows(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& x) const = 0;
 };
 
@@ -54,25 +55,50 @@ class MeshEdits {
       h = twin_[previous_half_edge(h)];
     } while (h != out_[v]);
   }
+  /// Whether test(h) holds for all of them; asks no more after one for which it does not.
+  template <class Test>
+  bool all_out(int v, const Test& test) const {
+    int h = out_[v];
+    do {
+      if (!test(h)) return false;
+      h = twin_[previous_half_edge(h)];
+    } while (h != out_[v]);
+    return true;
+  }
   int valence(int v) const;
   /// The half-edge from u to v; -1 where there is none, or one of them is gone.
   int find(int u, int v) const;
 
+  /// How many edits have been made since start().
+  std::uint32_t made() const { return made_; }
+  /// Whether the triangles around v, and around all vertices up to `reach` edges from it, are as they were
+  /// when so many edits had been made. v: a vertex then.
+  bool is_as_it_was(int v, int reach, std::uint32_t made) const {
+    return touched_[v] <= made && (reach == 0 || !is_alive(v) || all_out(v, [&](int out) {
+                                     return is_as_it_was(end(out), reach - 1, made);
+                                   }));
+  }
+
   /// Puts a vertex at x on edge h; it comes from the edge's ends, from the end by `share`. Returns it, or -1
   /// where that is refused.
   int split(int h, double share, const Vec3& x);
+  /// Whether it would not be refused; so of the others.
+  bool can_split(int h, const Vec3& x) const;
   /// Puts a vertex at x into a triangle, joined with its three corners. Returns it, or -1.
   int split(int triangle, const VertexBlend& from, const Vec3& x);
-  /// Whether the origin of h may be joined with its end, whatever the guard says: the link condition, i.e. no
-  /// vertex but the two apexes neighbours both, and each apex keeps three triangles.
-  bool can_collapse(int h);
-  /// Removes the origin of h with two triangles; its other triangles go to the end of h.
-  bool collapse(int h);
+  bool can_split_triangle(int triangle, const Vec3& x) const;
+  /// Whether the origin of h may be joined with its end: the link condition, i.e. no vertex but the two
+  /// apexes neighbours both, and each apex keeps three triangles; and what the guard says.
+  bool can_collapse(int h) const;
+  /// Removes the origin of h with two triangles; its other triangles go to the end of h. asked: whether
+  /// can_collapse(h) has been, of the mesh as it is.
+  bool collapse(int h, bool asked = false);
   /// Replaces edge h by the edge between its apexes; not where these are neighbours already or an end of h
   /// has three triangles only.
   bool flip(int h);
   /// Puts a new vertex at x in place of v. Returns it, or -1.
   int replace(int v, const VertexBlend& from, const Vec3& x);
+  bool can_replace(int v, const Vec3& x) const { return allows_fan(v, x); }
 
   /// Puts a vertex at x on trial: it has a place, the field's gradient there, and whether it is on the
   /// surface, and no more. Returns it.
@@ -101,6 +127,11 @@ class MeshEdits {
 
  private:
   void link(int h, int twin);
+  /// For an edit that changes triangles of these vertices.
+  void touch(std::initializer_list<int> vertices) {
+    for (const int v : vertices) touched_[v] = made_;
+  }
+  void touch_fan(int v);
   bool allows(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& x) const {
     return guard_ == nullptr || guard_->allows(a, b, c, x);
   }
@@ -117,8 +148,8 @@ class MeshEdits {
   const EditGuard* guard_ = nullptr;
   std::vector<int> twin_;  // of each half-edge; meaningless where its triangle, {-1, -1, -1}, is removed
   std::vector<int> out_;   // a half-edge that starts at the vertex; -1 where it is gone
-  std::vector<std::uint32_t> mark_;  // of each vertex: the question it was last marked for
-  std::uint32_t question_ = 0;
+  std::vector<std::uint32_t> touched_;  // of each vertex: the edit that last changed a triangle of it, from 1
+  std::uint32_t made_ = 0;
   VertexHistory history_;
   std::vector<char> alive_;
   EdgeSides sides_;  // scratch of set_twins()

@@ -3,17 +3,70 @@
 #include <array>
 
 #include "core/sort_unique.h"
+#include "core/triangle_crossing.h"
 #include "core/triangle_geometry.h"
-#include "surface/mesh/self_intersection.h"
 
 namespace kappaflow {
 namespace {
 
-constexpr int kCrossingRings = 2;  // of triangles that an edit might pass through
+constexpr int kNewVertex = -1;  // in place of a number
 constexpr double kChord =
     0.15;                       // distance of a triangle from f = 0 that calls for smaller ones [edge_length]
 constexpr double kBend = 0.4;   // length times turn of the normal whose chord is surely nearer [edge_length]
 constexpr double kBent = 0.99;  // length aimed at [edge_length] above which the surface counts as flat
+
+/// A triangle, its corners' places and the box around them.
+struct Placed {
+  Placed(const Triangle& of, const std::array<Vec3, 3>& places)
+      : triangle(of),
+        at(places),
+        lower(at[0].cwiseMin(at[1]).cwiseMin(at[2])),
+        upper(at[0].cwiseMax(at[1]).cwiseMax(at[2])) {}
+
+  Triangle triangle;
+  std::array<Vec3, 3> at;
+  Vec3 lower, upper;
+};
+
+/// Most triangles around an edit are not even near what it adds.
+bool cross(const Placed& a, const Placed& b) {
+  return (a.lower.array() <= b.upper.array()).all() && (b.lower.array() <= a.upper.array()).all() &&
+         triangles_cross(a.triangle, a.at, b.triangle, b.at);
+}
+
+void add_neighbours(const MeshEdits& edits, std::vector<int>& vertices) {
+  sort_unique(vertices);
+  for (std::size_t i = 0, n = vertices.size(); i < n; ++i)
+    edits.for_each_out(vertices[i], [&](int out) { vertices.push_back(edits.end(out)); });
+  sort_unique(vertices);
+}
+
+/// As would_cross(), for vertex apex at x.
+bool any_cross(const RemeshState& state, std::span<const int> old, int apex, const Vec3& x) {
+  const MeshEdits& edits = state.edits;
+  const auto is_old = [&](int t) { return std::ranges::count(old, t) > 0; };
+  std::vector<Placed> added;
+  std::vector<int> around;
+  for (const int t : old)
+    for (int h = 3 * t; h < 3 * t + 3; ++h) {
+      const int u = edits.origin(h), v = edits.end(h);
+      around.push_back(u);
+      if (!is_old(edits.twin(h) / 3) && u != apex && v != apex)
+        added.emplace_back(Triangle{u, v, apex}, std::array{state.at(u), state.at(v), x});
+    }
+  for (std::size_t i = 0; i < added.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (cross(added[i], added[j])) return true;
+  add_neighbours(edits, around);
+  return !std::ranges::all_of(around, [&](int v) {
+    return edits.all_out(v, [&](int out) {
+      if (is_old(out / 3)) return true;
+      const Triangle& t = edits.mesh().triangles[out / 3];
+      const Placed other(t, {state.at(t[0]), state.at(t[1]), state.at(t[2])});
+      return std::ranges::none_of(added, [&](const Placed& one) { return cross(one, other); });
+    });
+  });
+}
 
 }  // namespace
 
@@ -66,32 +119,11 @@ bool is_off_surface(const RemeshSetting& setting, const RemeshState& state, cons
 }
 
 bool would_cross(const RemeshState& state, std::span<const int> old, int apex) {
-  const MeshEdits& edits = state.edits;
-  const std::vector<Triangle>& mesh_triangles = edits.mesh().triangles;
-  const auto is_old = [&](int t) { return std::ranges::count(old, t) > 0; };
-  std::vector<int> around(old.begin(), old.end());
-  for (int ring = 0; ring < kCrossingRings; ++ring) {
-    for (std::size_t i = 0, n = around.size(); i < n; ++i)
-      for (const int v : mesh_triangles[around[i]])
-        edits.for_each_out(v, [&](int out) { around.push_back(out / 3); });
-    sort_unique(around);
-  }
-  std::vector<Triangle> triangles;
-  for (const int t : around)
-    if (!is_old(t)) triangles.push_back(mesh_triangles[t]);
-  const std::size_t staying = triangles.size();
-  for (const int t : old)
-    for (int h = 3 * t; h < 3 * t + 3; ++h)
-      if (const int u = edits.origin(h), v = edits.end(h);
-          !is_old(edits.twin(h) / 3) && u != apex && v != apex)
-        triangles.push_back({u, v, apex});
-  return !intersecting_triangles(edits.mesh().position, triangles, staying).empty();
+  return any_cross(state, old, apex, state.at(apex));
 }
 
-bool would_cross(RemeshState& state, std::span<const int> old, const Vec3& x) {
-  const bool crosses = would_cross(state, old, state.edits.try_vertex(x, Vec3::Zero()));
-  state.edits.discard_tried();
-  return crosses;
+bool would_cross(const RemeshState& state, std::span<const int> old, const Vec3& x) {
+  return any_cross(state, old, kNewVertex, x);
 }
 
 }  // namespace kappaflow

@@ -65,9 +65,14 @@ bool is_off(const RemeshSetting& setting, const Vec3& centroid);
 /// corners hardly turn along so short a triangle that faces along them.
 bool is_off_surface(const RemeshSetting& setting, const RemeshState& state, const Triangle& triangle);
 
-/// Whether the triangles that join vertex apex with the edges around the old ones pass through others nearby.
+/// How many edges it is from a vertex whose triangles give way to those whose triangles would_cross() reads;
+/// from the corners of the triangles it is one less.
+inline constexpr int kCrossingReach = 2;
+
+/// Whether the triangles that join vertex apex with the edges around the old ones pass through others in the
+/// two rings around these.
 bool would_cross(const RemeshState& state, std::span<const int> old, int apex);
 /// The same of those that join a place.
-bool would_cross(RemeshState& state, std::span<const int> old, const Vec3& x);
+bool would_cross(const RemeshState& state, std::span<const int> old, const Vec3& x);
 
 }  // namespace kappaflow

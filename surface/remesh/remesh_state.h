@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "surface/mesh/mesh_edits.h"
+#include "surface/remesh/edits_ahead.h"
 #include "surface/remesh/remeshing.h"
 
 namespace kappaflow {
@@ -28,9 +29,11 @@ struct RemeshState {
     int u, v;
   };
   std::vector<Candidate> candidates;
+  std::vector<std::vector<Candidate>> parts;
   std::vector<Projected> midpoints;
-  std::vector<double> size, smoothed;
+  std::vector<double> smoothed;
   std::vector<char> flag;
+  std::vector<std::uint32_t> unrepaired;  ///< of each triangle: after how many edits no repair was found
   std::vector<int> pending, suspects;
 
   const Vec3& at(int v) const { return edits.at(v); }
@@ -49,11 +52,19 @@ void split_long_edges(const RemeshSetting& setting, RemeshState& state);
 void refine_off_surface(const RemeshSetting& setting, RemeshState& state);
 void collapse_short_edges(const RemeshSetting& setting, RemeshState& state);
 void flip_towards_delaunay(const RemeshSetting& setting, RemeshState& state);
-/// Returns whether an edit was made.
-bool repair_sharp_triangles(const RemeshSetting& setting, RemeshState& state);
+/// again: nothing but flips came since the last call. Returns whether an edit was made.
+bool repair_sharp_triangles(const RemeshSetting& setting, bool again, RemeshState& state);
 
-/// Joins the ends of h at one of them if that may be; repair: for the sake of a sharp triangle, whose
+/// A collapse that may be: of this half-edge; -1: of none.
+struct Collapse {
+  Grounds grounds;
+  int half_edge = -1;
+};
+
+/// Whether the ends of h may be joined at one of them; repair: for the sake of a sharp triangle, whose
 /// surroundings must not become worse; else they must not become bad.
-bool collapse_either_way(const RemeshSetting& setting, int h, bool repair, RemeshState& state);
+Collapse find_collapse(const RemeshSetting& setting, const RemeshState& state, int h, bool repair);
+/// Returns whether there was one to be made.
+bool make_collapse(const Collapse& collapse, RemeshState& state);
 
 }  // namespace kappaflow

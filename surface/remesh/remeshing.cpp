@@ -31,7 +31,7 @@ RemeshCounts Remesher::remesh(const Field& field, const RemeshOptions& options,
   collapse_short_edges(setting, state);
   for (int round = 0; round < kRepairRounds; ++round) {
     flip_towards_delaunay(setting, state);
-    if (!repair_sharp_triangles(setting, state)) break;
+    if (!repair_sharp_triangles(setting, round > 0, state)) break;
   }
   state.edits.finish();
   return state.counts;

@@ -1,14 +1,19 @@
 // Repair of triangles with small angles.
 #include <algorithm>
+#include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "core/parallel.h"
 #include "surface/remesh/edit_criteria.h"
+#include "surface/remesh/edits_ahead.h"
 
 namespace kappaflow {
 namespace {
 
 constexpr double kGain = 1e-3;  // least improvement of a smallest angle's cosine which is worth an edit
+
+constexpr std::uint32_t kNever = std::numeric_limits<std::uint32_t>::max();
 
 bool is_sharp(const RemeshState& state, int triangle) {
   const auto& [a, b, c] = state.edits.mesh().triangles[triangle];
@@ -69,33 +74,34 @@ VertexBlend blend_around(const RemeshState& state, int v, const Vec3& x) {
 /// Whether a triangle of v would be off the surface if v were at x.
 bool leaves_surface(const RemeshSetting& setting, const RemeshState& state, int v, const Vec3& x) {
   const MeshEdits& edits = state.edits;
-  bool off = false;
-  edits.for_each_out(v, [&](int out) {
-    off = off || is_off(setting, (x + state.at(edits.end(out)) + state.at(edits.apex(out))) / 3);
+  return !edits.all_out(v, [&](int out) {
+    return !is_off(setting, (x + state.at(edits.end(out)) + state.at(edits.apex(out))) / 3);
   });
-  return off;
 }
 
-/// Puts a new vertex in place of v, where x falls on the surface.
-bool replace(const RemeshSetting& setting, int v, const Vec3& x, RemeshState& state) {
-  const Projected projected = project(setting.field, x, setting.projection);
-  if (!projected.converged) return false;
-  const WorstOf before = fan(state, v),
-                after = fan_moved(state, v, projected.position, -projected.gradient.normalized());
+bool may_replace(const RemeshSetting& setting, const RemeshState& state, int v, const Projected& by,
+                 int& reach) {
+  if (!by.converged) return false;
+  const WorstOf before = fan(state, v), after = fan_moved(state, v, by.position, -by.gradient.normalized());
   if (!(after.sharpness <= before.sharpness - kGain) || !after.faces_fairly(before) ||
-      leaves_surface(setting, state, v, projected.position) ||
-      (!after.faces_well(before) && would_cross(state, fan_triangles(state, v), projected.position)))
+      !state.edits.can_replace(v, by.position) || leaves_surface(setting, state, v, by.position))
     return false;
-  const VertexBlend from = blend_around(state, v, projected.position);
-  const int m = state.edits.replace(v, from, projected.position);
-  if (m < 0) return false;
-  state.add_born(m, projected, from);
-  ++state.counts.replaced;
-  return true;
+  if (after.faces_well(before)) return true;
+  reach = kCrossingReach;
+  return !would_cross(state, fan_triangles(state, v), by.position);
 }
 
-/// The corner whose triangles gain most.
-bool replace_a_corner(const RemeshSetting& setting, int triangle, RemeshState& state) {
+/// What puts a sharp triangle right: a collapse or, where there is none, a new vertex in place of one.
+struct Repair {
+  Grounds grounds;
+  int triangle = -1;
+  Collapse collapse{};
+  int replaced = -1;  ///< vertex; -1: none
+  Projected by{};     ///< falls on the surface
+};
+
+/// Of the corners the one whose triangles gain most.
+void find_replacement(const RemeshSetting& setting, const RemeshState& state, int triangle, Repair& repair) {
   int best = -1;
   double best_sharp = 1;
   Vec3 best_place = Vec3::Zero();
@@ -107,22 +113,61 @@ bool replace_a_corner(const RemeshSetting& setting, int triangle, RemeshState& s
     best_sharp = sharp;
     best_place = *place;
   }
-  return best >= 0 && replace(setting, best, best_place, state);
+  if (best < 0) return;
+  repair.by = project(setting.field, best_place, setting.projection);
+  if (may_replace(setting, state, best, repair.by, repair.grounds.reach)) repair.replaced = best;
+}
+
+/// None for a triangle that an edit before has put right, nor where there was none and nothing has changed
+/// since that this can have rested on.
+Repair find_repair(const RemeshSetting& setting, const RemeshState& state, int triangle) {
+  const MeshEdits& edits = state.edits;
+  Repair found{.grounds = triangle_grounds(edits, triangle), .triangle = triangle};
+  if (!is_sharp(state, triangle)) return found;
+  found.grounds.reach = kCrossingReach;
+  const std::uint32_t refused = state.unrepaired[triangle];
+  if (refused != kNever && found.grounds.hold(edits, refused)) return found;
+  found.collapse = find_collapse(setting, state, shortest_edge(state, triangle), true);
+  found.grounds = found.collapse.grounds;
+  if (found.collapse.half_edge < 0) find_replacement(setting, state, triangle, found);
+  return found;
+}
+
+bool replace(const Repair& repair, RemeshState& state) {
+  if (repair.replaced < 0) return false;
+  const VertexBlend from = blend_around(state, repair.replaced, repair.by.position);
+  const int m = state.edits.replace(repair.replaced, from, repair.by.position);
+  if (m < 0) return false;
+  state.add_born(m, repair.by, from);
+  ++state.counts.replaced;
+  return true;
 }
 
 }  // namespace
 
 /// A sharp triangle loses its shortest edge or, where that cannot be, one corner to a vertex at a better
 /// place.
-bool repair_sharp_triangles(const RemeshSetting& setting, RemeshState& state) {
+bool repair_sharp_triangles(const RemeshSetting& setting, bool again, RemeshState& state) {
+  const MeshEdits& edits = state.edits;
+  const int triangles = edits.half_edges() / 3;
+  if (!again) state.unrepaired.assign(triangles, kNever);
+  state.flag.resize(triangles);
+  parallel_for(state.flag.size(), [&](std::size_t i) {
+    const int t = static_cast<int>(i);
+    state.flag[t] = is_sharp(state, t);
+  });
+  state.suspects.clear();
+  for (int t = 0; t < triangles; ++t)
+    if (state.flag[t]) state.suspects.push_back(t);
   bool repaired = false;
-  state.flag.resize(state.edits.half_edges() / 3);
-  parallel_for(state.flag.size(),
-               [&](std::size_t t) { state.flag[t] = is_sharp(state, static_cast<int>(t)); });
-  for (int t = 0; t < static_cast<int>(state.flag.size()); ++t)
-    if (state.flag[t] && is_sharp(state, t))  // an edit before may have put it right
-      repaired |= collapse_either_way(setting, shortest_edge(state, t), true, state) ||
-                  replace_a_corner(setting, t, state);
+  edit_in_order(
+      edits, state.suspects.size(),
+      [&](std::size_t i) { return find_repair(setting, state, state.suspects[i]); },
+      [&](const Repair& repair) {
+        const bool made = make_collapse(repair.collapse, state) || replace(repair, state);
+        if (!made) state.unrepaired[repair.triangle] = edits.made();
+        repaired |= made;
+      });
   return repaired;
 }
 

@@ -6,6 +6,7 @@
 
 #include "core/parallel.h"
 #include "surface/remesh/edit_criteria.h"
+#include "surface/remesh/edits_ahead.h"
 
 namespace kappaflow {
 namespace {
@@ -30,7 +31,8 @@ int most_bent_edge(const RemeshState& state, int triangle) {
 /// Whether triangles that join x with the edges around the old ones may stand for these: each passes through
 /// none around, and hardly turns or, where the old ones cut through a tip or a rim, faces along the surface.
 /// The normals at the corners do not tell there: they may point in opposite directions.
-bool may_join(const RemeshSetting& setting, std::span<const int> old, const Vec3& x, RemeshState& state) {
+bool may_join(const RemeshSetting& setting, const RemeshState& state, std::span<const int> old,
+              const Vec3& x) {
   const MeshEdits& edits = state.edits;
   for (const int t : old) {
     const auto& [a, b, c] = edits.mesh().triangles[t];
@@ -53,37 +55,63 @@ std::optional<Projected> nearby(const RemeshSetting& setting, const Vec3& x, dou
   return projected;
 }
 
-bool divide_edge(const RemeshSetting& setting, int h, double length, RemeshState& state) {
-  MeshEdits& edits = state.edits;
+/// A vertex that may be put into a triangle or, where that is better, on its edge.
+struct Division {
+  Grounds grounds;
+  int half_edge = -1, triangle = -1;  ///< one of them; neither: there is none
+  VertexBlend from{};
+  Projected vertex{};
+};
+
+bool divide_edge(const RemeshSetting& setting, const RemeshState& state, int h, double length,
+                 Division& division) {
+  const MeshEdits& edits = state.edits;
   const int u = edits.origin(h), v = edits.end(h);
   const auto middle = nearby(setting, 0.5 * (state.at(u) + state.at(v)), length);
-  if (!middle || !may_join(setting, std::array{h / 3, edits.twin(h) / 3}, middle->position, state))
+  if (!middle || !edits.can_split(h, middle->position) ||
+      !may_join(setting, state, std::array{h / 3, edits.twin(h) / 3}, middle->position))
     return false;
-  const int m = edits.split(h, 0.5, middle->position);
-  if (m < 0) return false;
-  state.add_born(m, *middle, {{u, v, v}, {0.5, 0.5, 0}});
+  division.half_edge = h;
+  division.from = {{u, v, v}, {0.5, 0.5, 0}};
+  division.vertex = *middle;
   return true;
 }
 
-bool divide_triangle(const RemeshSetting& setting, int h, double length, RemeshState& state) {
-  MeshEdits& edits = state.edits;
+void divide_triangle(const RemeshSetting& setting, const RemeshState& state, int h, double length,
+                     Division& division) {
+  const MeshEdits& edits = state.edits;
   const VertexBlend thirds{{edits.origin(h), edits.end(h), edits.apex(h)}, {1.0 / 3, 1.0 / 3, 1.0 / 3}};
   const auto& [u, v, a] = thirds.vertex;
   const auto centre = nearby(setting, (state.at(u) + state.at(v) + state.at(a)) / 3, length);
-  if (!centre || !may_join(setting, std::array{h / 3}, centre->position, state)) return false;
-  const int m = edits.split(h / 3, thirds, centre->position);
-  if (m < 0) return false;
-  state.add_born(m, *centre, thirds);
-  return true;
+  if (!centre || !edits.can_split_triangle(h / 3, centre->position) ||
+      !may_join(setting, state, std::array{h / 3}, centre->position))
+    return;
+  division.triangle = h / 3;
+  division.from = thirds;
+  division.vertex = *centre;
 }
 
-/// Divides an edge or, where that would fold something, the triangle; none whose parts would be too short.
-void refine(const RemeshSetting& setting, int triangle, RemeshState& state) {
+/// Of an edge or, where that would fold something, of the triangle; of none whose parts would be too short.
+Division find_division(const RemeshSetting& setting, const RemeshState& state, int triangle) {
+  const MeshEdits& edits = state.edits;
+  Division found{.grounds = triangle_grounds(edits, triangle)};
   const int h = most_bent_edge(state, triangle);
-  const double length = (state.at(state.edits.origin(h)) - state.at(state.edits.end(h))).norm();
-  if (length <= 2 * kHalf * setting.options.finest * setting.options.edge_length) return;
-  if (divide_edge(setting, h, length, state) || divide_triangle(setting, h, length, state))
-    ++state.counts.splits;
+  const double length = (state.at(edits.origin(h)) - state.at(edits.end(h))).norm();
+  if (length <= 2 * kHalf * setting.options.finest * setting.options.edge_length) return found;
+  found.grounds.vertices[3] = edits.apex(edits.twin(h));
+  found.grounds.reach = kCrossingReach - 1;  // the triangles that would go have no corners but these
+  if (!divide_edge(setting, state, h, length, found)) divide_triangle(setting, state, h, length, found);
+  return found;
+}
+
+void divide(const Division& division, RemeshState& state) {
+  const Vec3& x = division.vertex.position;
+  int m = -1;
+  if (division.half_edge >= 0) m = state.edits.split(division.half_edge, 0.5, x);
+  if (division.triangle >= 0) m = state.edits.split(division.triangle, division.from, x);
+  if (m < 0) return;
+  state.add_born(m, division.vertex, division.from);
+  ++state.counts.splits;
 }
 
 }  // namespace
@@ -100,9 +128,18 @@ void refine_off_surface(const RemeshSetting& setting, RemeshState& state) {
   for (int round = 0; round < kRefinements && !suspects.empty(); ++round) {
     off.resize(suspects.size());
     parallel_for(off.size(), [&](std::size_t i) { off[i] = is_suspect_off(suspects[i]); });
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < off.size(); ++i)
+      if (off[i]) suspects[n++] = suspects[i];
     const int first_new = static_cast<int>(mesh.vertex_count());
-    for (std::size_t i = 0; i < off.size(); ++i)  // an edit before may have put it right
-      if (off[i] && is_suspect_off(suspects[i])) refine(setting, suspects[i], state);
+    edit_in_order(
+        state.edits, n,
+        [&](std::size_t i) {
+          const int t = suspects[i];  // an edit before may have put it right
+          return is_suspect_off(t) ? find_division(setting, state, t)
+                                   : Division{.grounds = triangle_grounds(state.edits, t)};
+        },
+        [&](const Division& division) { divide(division, state); });
     suspects.clear();
     for (int v = first_new; v < static_cast<int>(mesh.vertex_count()); ++v)
       state.edits.for_each_out(v, [&](int out) { suspects.push_back(out / 3); });

@@ -300,5 +300,41 @@ TEST(MeshEdits, RandomEditsKeepTheMeshClosedAndManifoldAndVerticesThemselves) {
   }
 }
 
+/// The triangles around a vertex, each from it on.
+std::vector<Triangle> fan_of(const MeshEdits& edits, int v) {
+  std::vector<Triangle> fan;
+  if (edits.is_alive(v))
+    edits.for_each_out(v, [&](int h) { fan.push_back({v, edits.end(h), edits.apex(h)}); });
+  return fan;
+}
+
+TEST(MeshEdits, TellAroundWhichVerticesNothingHasChanged) {
+  TriangleMesh mesh = extract_isosurface(testing::random_blobs(1, 50, 1.5), 0.35);
+  std::mt19937 random(1);
+  MeshEdits edits;
+  edits.start(mesh);
+  for (int round = 0; round < 100; ++round) {
+    const std::uint32_t made = edits.made();
+    std::vector<std::vector<Triangle>> before;
+    for (int v = 0; v < static_cast<int>(mesh.vertex_count()); ++v) before.push_back(fan_of(edits, v));
+    int done = 0;
+    while (done < 3) done += random_edit(edits, mesh, random);
+    std::size_t unchanged = 0;
+    for (int v = 0; v < static_cast<int>(before.size()); ++v) {
+      const bool same = fan_of(edits, v) == before[v];
+      if (edits.is_as_it_was(v, 0, made)) {
+        EXPECT_TRUE(same);
+        ++unchanged;
+      }
+      EXPECT_EQ(edits.is_as_it_was(v, 1, made),
+                edits.is_as_it_was(v, 0, made) && std::ranges::all_of(before[v], [&](const Triangle& t) {
+                  return edits.is_as_it_was(t[1], 0, made);
+                }));
+    }
+    EXPECT_GT(unchanged, before.size() / 2) << "three edits touch few";
+  }
+  edits.finish();
+}
+
 }  // namespace
 }  // namespace kappaflow

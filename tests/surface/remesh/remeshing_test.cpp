@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
+#include <tbb/task_arena.h>
 
 #include <numbers>
 #include <unordered_map>
@@ -179,6 +180,64 @@ TEST(Remeshing, SameBitsForAnyNumberOfThreads) {
     EXPECT_EQ(result[0].id, other.id);
     EXPECT_EQ(result[0].triangles, other.triangles);
   }
+}
+
+/// A mesh that two remeshings make of this one with so many threads.
+TriangleMesh remeshed(const Field& field, TriangleMesh mesh, const RemeshOptions& options, int threads,
+                      RemeshCounts& counts) {
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                  static_cast<std::size_t>(threads));
+  tbb::task_arena(threads).execute([&] {
+    Remesher remesher;
+    for (int round = 0; round < 2; ++round)
+      counts += remesher.remesh(field, options, {}, vertex_rings(mesh.vertex_count(), mesh.triangles), mesh);
+  });
+  return mesh;
+}
+
+/// One thread decides on each edit when it is its turn; several decide ahead, on a mesh that the edits before
+/// have yet to change. Where edits are dense that goes wrong for many, unless these are decided anew.
+void expect_edits_as_in_one_thread(const Field& field, const TriangleMesh& mesh, const RemeshOptions& options,
+                                   RemeshCounts& counts) {
+  RemeshCounts ahead;
+  const TriangleMesh expected = remeshed(field, mesh, options, 1, counts),
+                     result = remeshed(field, mesh, options, 4, ahead);
+  EXPECT_EQ(ahead.splits, counts.splits);
+  EXPECT_EQ(ahead.collapses, counts.collapses);
+  EXPECT_EQ(ahead.flips, counts.flips);
+  EXPECT_EQ(ahead.replaced, counts.replaced);
+  EXPECT_EQ(result.position, expected.position);
+  EXPECT_EQ(result.id, expected.id);
+  EXPECT_EQ(result.triangles, expected.triangles);
+}
+
+TEST(Remeshing, DenseCollapsesAndRepairsAreDecidedAsInOneThread) {
+  const EllipsoidField field(Vec3::Zero(), Mat3::Identity(), Vec3(1, 0.8, 0.7));
+  TriangleMesh mesh = initial_mesh(field, 0.06, {});
+  for (Vec3& x : mesh.position) {
+    const Vec3 shake(std::sin(131 * x[1]), std::sin(157 * x[2]), std::sin(173 * x[0]));
+    x += 0.03 * shake;  // makes triangles sharp
+  }
+  project_all(field, {}, mesh.position, mesh.unprojected);
+  set_gradient(field, mesh);
+  RemeshCounts coarser, as_fine;
+  expect_edits_as_in_one_thread(field, mesh, {.edge_length = 0.09, .finest = 0.3}, coarser);
+  EXPECT_GT(coarser.collapses, 1000u);
+  expect_edits_as_in_one_thread(field, mesh, {.edge_length = 0.05}, as_fine);
+  EXPECT_GT(as_fine.replaced, 30u);
+}
+
+TEST(Remeshing, DenseRefinementIsDecidedAsInOneThread) {
+  // As above: the mesh of a thick lens pressed flat.
+  const Vec3 thick(1, 1, 0.2), thin(1, 1, 0.03);
+  const EllipsoidField field(Vec3::Zero(), Mat3::Identity(), thin);
+  TriangleMesh mesh = initial_mesh(EllipsoidField(Vec3::Zero(), Mat3::Identity(), thick), 0.15, {});
+  for (Vec3& x : mesh.position) x = x.cwiseQuotient(thick).cwiseProduct(thin);
+  project_all(field, {}, mesh.position, mesh.unprojected);
+  set_gradient(field, mesh);
+  RemeshCounts counts;
+  expect_edits_as_in_one_thread(field, mesh, {.edge_length = 0.15, .finest = 0.05}, counts);
+  EXPECT_GT(counts.splits, 100u);
 }
 
 }  // namespace
