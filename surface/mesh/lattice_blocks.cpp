@@ -56,8 +56,8 @@ CubeRange cubes_around(const SampledField& lattice, std::span<const Vec3> positi
 CubeRange cubes_of_block(const LatticeBlock& block) {
   CubeRange cubes;
   for (int a = 0; a < 3; ++a) {
-    cubes.first[a] = block.first[a] / kCubeCells;
-    cubes.last[a] = std::max(block.first[a], block.last[a] - 1) / kCubeCells;
+    cubes.first[a] = std::max(0, block.first[a]) / kCubeCells;
+    cubes.last[a] = std::max({0, block.first[a], block.last[a] - 1}) / kCubeCells;
   }
   return cubes;
 }

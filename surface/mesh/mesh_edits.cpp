@@ -42,7 +42,10 @@ void MeshEdits::set_twins() {
 void MeshEdits::finish() {
   alive_.resize(out_.size());
   for (std::size_t v = 0; v < out_.size(); ++v) alive_[v] = out_[v] >= 0;
+  history_.touched.resize(touched_.size());
+  std::ranges::transform(touched_, history_.touched.begin(), [](std::uint32_t edit) { return edit > 0; });
   remove_dead(alive_, *mesh_, history_);
+  history_.keep(history_.touched);
   mesh_ = nullptr;
   guard_ = nullptr;
 }

@@ -10,6 +10,7 @@ namespace kappaflow {
 struct VertexHistory {
   std::vector<int> number;    ///< that each vertex had before the renumbering, ascending
   int vertices_at_start = 0;  ///< those with lower numbers were there before the edits
+  std::vector<char> touched;  ///< of each vertex whether triangles of it have changed; after the renumbering
 
   /// The vertex's number before the edits; -1 where they made it.
   int before(int v) const { return number[v] < vertices_at_start ? number[v] : -1; }

@@ -91,13 +91,37 @@ std::vector<LatticeBlock> everywhere(const Field& field, const TriangleMesh& mes
   return occupied_blocks(field, lattice, cubes_of(lattice, mesh.position, mesh.triangles));
 }
 
-/// Where something was replaced or, where that is less, where there is surface or mesh.
-std::vector<LatticeBlock> to_compare(const Field& field, const TriangleMesh& mesh,
-                                     const SampledField& lattice, std::vector<LatticeBlock> replaced) {
-  const double points = points_in(replaced);
-  if (points <= kFewPoints) return replaced;
+/// The given blocks or, if that is less, where there is surface or mesh.
+std::vector<LatticeBlock> or_everywhere(const Field& field, const TriangleMesh& mesh,
+                                        const SampledField& lattice, std::vector<LatticeBlock> blocks) {
+  const double points = points_in(blocks);
+  if (points <= kFewPoints) return blocks;
   std::vector<LatticeBlock> all = everywhere(field, mesh, lattice);
-  return points_in(all) < points ? all : replaced;
+  return points_in(all) < points ? all : blocks;
+}
+
+/// The triangles of which every corner is touched: all that have changed are among them.
+std::vector<Triangle> touched_triangles(const TriangleMesh& mesh, std::span<const char> touched) {
+  std::vector<Triangle> found;
+  std::ranges::copy_if(mesh.triangles, std::back_inserter(found), [&](const Triangle& t) {
+    return std::ranges::all_of(t, [&](int v) { return touched[v] != 0; });
+  });
+  return found;
+}
+
+/// Where triangles in the blocks pass through each other.
+void add_cells_of_crossings(const TriangleMesh& mesh, const SampledField& lattice,
+                            std::span<const LatticeBlock> blocks, std::vector<LatticeCell>& cells) {
+  std::vector<int> near;
+  for (const std::vector<int>& of_block : triangles_near(lattice, mesh.position, mesh.triangles, blocks, 0))
+    near.insert(near.end(), of_block.begin(), of_block.end());
+  sort_unique(near);
+  std::vector<Triangle> triangles;
+  triangles.reserve(near.size());
+  for (const int t : near) triangles.push_back(mesh.triangles[t]);
+  std::vector<int> crossing = intersecting_triangles(mesh.position, triangles);
+  for (int& t : crossing) t = near[t];
+  std::ranges::copy(cells_of(lattice, mesh, crossing), std::back_inserter(cells));
 }
 
 }  // namespace
@@ -113,20 +137,17 @@ LatticeGuard topology_guard(const Field& field, const TopologyOptions& options, 
 
 namespace {
 
-/// Where mesh and surface disagree, or the mesh passes through itself.
-std::vector<LatticeCell> disputed_cells(const ReplacementSetting& setting, Comparison comparison,
-                                        const TriangleMesh& mesh) {
+/// Where mesh and surface disagree, or the mesh passes through itself. blocks: where it is looked for.
+std::vector<LatticeCell> disputed_cells(const ReplacementSetting& setting, bool quick,
+                                        const TriangleMesh& mesh, std::span<const LatticeBlock> blocks) {
   const auto& [field, lattice, edge_length, tolerance, off_surface, seam_off_surface, may_be_finer] = setting;
   std::vector<LatticeCell> cells;
-  const bool quick = comparison == Comparison::quick;
   add_cells_off_surface(field, mesh, quick ? kFarOff * edge_length : off_surface, lattice, cells);
   if (quick) return cells;
-  std::ranges::copy(cells_of(lattice, mesh, intersecting_triangles(mesh.position, mesh.triangles)),
-                    std::back_inserter(cells));
+  add_cells_of_crossings(mesh, lattice, blocks, cells);
   add_cells_at_threads(mesh, kThread * edge_length, lattice, cells);
-  std::ranges::copy(
-      cells_in_dispute(field, mesh, kDispute * edge_length, lattice, everywhere(field, mesh, lattice)),
-      std::back_inserter(cells));
+  std::ranges::copy(cells_in_dispute(field, mesh, kDispute * edge_length, lattice, blocks),
+                    std::back_inserter(cells));
   return cells;
 }
 
@@ -139,9 +160,19 @@ void count_vertices(const VertexHistory& history, TopologyCounts& counts) {
 
 }  // namespace
 
+std::vector<LatticeBlock> TopologyChange::to_compare(const Field& field, const TriangleMesh& mesh,
+                                                     const SampledField& lattice, Comparison comparison,
+                                                     std::span<const char> touched) const {
+  if (comparison == Comparison::quick) return {};
+  if (comparison == Comparison::thorough) return everywhere(field, mesh, lattice);
+  auto blocks = blocks_of(lattice, cubes_of(lattice, mesh.position, touched_triangles(mesh, touched)));
+  blocks.insert(blocks.end(), unsettled_.begin(), unsettled_.end());
+  return or_everywhere(field, mesh, lattice, std::move(blocks));
+}
+
 TopologyCounts TopologyChange::change(const Field& field, const TopologyOptions& options, double edge_length,
                                       const ProjectionOptions& projection, Comparison comparison,
-                                      TriangleMesh& mesh) {
+                                      TriangleMesh& mesh, std::span<const char> touched) {
   const SampledField lattice = topology_lattice(field, options, edge_length);
   const ReplacementSetting setting{field,
                                    lattice,
@@ -150,8 +181,10 @@ TopologyCounts TopologyChange::change(const Field& field, const TopologyOptions&
                                    kOff * edge_length,
                                    (comparison == Comparison::quick ? kSeamOff : kOff) * edge_length,
                                    comparison == Comparison::repeated};
+  const auto blocks = to_compare(field, mesh, lattice, comparison, touched);
+  unsettled_.clear();
   TopologyCounts counts;
-  std::vector<LatticeCell> cells = disputed_cells(setting, comparison, mesh);
+  std::vector<LatticeCell> cells = disputed_cells(setting, comparison == Comparison::quick, mesh, blocks);
   if (cells.empty()) return counts;
   edits_.start(mesh);
   VertexCells vertices(lattice);
@@ -160,9 +193,12 @@ TopologyCounts TopologyChange::change(const Field& field, const TopologyOptions&
     replaced.blocks.clear();
     replace_regions(setting, regions_of(cells), kRegionGrowth + pass, edits_, vertices, replaced);
     edits_.drop_removed_triangles();
+    unsettled_.insert(unsettled_.end(), replaced.blocks.begin(), replaced.blocks.end());
     cells = cells_in_dispute(field, mesh, kDispute * edge_length, lattice,
-                             to_compare(field, mesh, lattice, std::move(replaced.blocks)));
+                             or_everywhere(field, mesh, lattice, std::move(replaced.blocks)));
   }
+  unsettled_.insert(unsettled_.end(), replaced.refused.begin(), replaced.refused.end());
+  for (const LatticeCell& cell : cells) unsettled_.push_back({cell, cell});
   edits_.finish();
   counts.replaced = replaced.regions;
   counts.refused = replaced.refused.size();

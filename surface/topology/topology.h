@@ -1,10 +1,12 @@
 // Lets the mesh merge, split, appear and vanish as the surface does.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "surface/field/field.h"
 #include "surface/field/projection.h"
+#include "surface/mesh/isosurface.h"
 #include "surface/mesh/mesh_edits.h"
 #include "surface/topology/lattice_guard.h"
 #include "surface/topology/topology_options.h"
@@ -21,7 +23,8 @@ LatticeGuard topology_guard(const Field& field, const TopologyOptions& options, 
 enum class Comparison {
   quick,     ///< triangles further off the surface than half an edge
   thorough,  ///< those further than 0.18 edges, triangles that pass through others, the whole lattice
-  repeated   ///< the same after another: patches whose chords miss a rim or tip are made finer
+  repeated   ///< the same after another, and only where something has changed since or was left as it was;
+             ///< patches whose chords miss a rim or tip are made finer
 };
 
 /// Local replacement of the mesh by the isosurface, after Wojtan, Thuerey, Gross, Turk, "Deforming meshes
@@ -40,16 +43,23 @@ enum class Comparison {
 class TopologyChange {
  public:
   /// edge_length: of the mesh, > 0 [m]. mesh: its vertices projected, TriangleMesh::gradient theirs. Where
-  /// TopologyCounts::replaced > 0, whoever keeps more about the vertices renews it (see history()). Throws
-  /// TopologyError for a mesh that is not closed, with no change.
+  /// TopologyCounts::replaced > 0, whoever keeps more about the vertices renews it (see history()). touched,
+  /// for a repeated comparison: VertexHistory::touched of the edits since the last change; there were no
+  /// others, and the field is the same. Throws TopologyError for a mesh that is not closed, with no change.
   TopologyCounts change(const Field& field, const TopologyOptions& options, double edge_length,
-                        const ProjectionOptions& projection, Comparison comparison, TriangleMesh& mesh);
+                        const ProjectionOptions& projection, Comparison comparison, TriangleMesh& mesh,
+                        std::span<const char> touched = {});
 
   /// What became of the vertices in the last change().
   const VertexHistory& history() const { return edits_.history(); }
 
  private:
+  std::vector<LatticeBlock> to_compare(const Field& field, const TriangleMesh& mesh,
+                                       const SampledField& lattice, Comparison comparison,
+                                       std::span<const char> touched) const;
+
   MeshEdits edits_;
+  std::vector<LatticeBlock> unsettled_;  // where the last change replaced something, or failed to
 };
 
 }  // namespace kappaflow

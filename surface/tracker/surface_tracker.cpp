@@ -170,7 +170,7 @@ bool SurfaceTracker::State::change_topology(const Field& field, Comparison compa
   TopologyCounts counts;
   report.topology_seconds += seconds_of([&] {
     counts = topology_change.change(field, options.topology, options.remeshing.edge_length,
-                                    options.projection, comparison, mesh);
+                                    options.projection, comparison, mesh, remesher.history().touched);
     if (counts.replaced > 0) renew_connectivity(topology_change.history());
   });
   report.topology += counts;
