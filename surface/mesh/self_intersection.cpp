@@ -24,9 +24,6 @@ constexpr std::uint64_t kMostCells = 1048576;  // along an axis: an index has 21
 
 struct Box {
   Vec3 lower, upper;
-  bool meets(const Box& other) const {
-    return (lower.array() <= other.upper.array()).all() && (other.lower.array() <= upper.array()).all();
-  }
 };
 
 constexpr std::int32_t kAllAxes = 7;  // bits of three axes
@@ -45,8 +42,7 @@ float single(double x) {
   return static_cast<float>(std::clamp(x, -kLargest, kLargest));
 }
 
-/// Triangles in the cells of a grid that their boxes meet; of the first `known` those that may meet one of
-/// the others.
+/// Triangles in the cells of a grid that their boxes meet; the first `known` only where one of the others is.
 class TriangleGrid {
  public:
   TriangleGrid(std::span<const Vec3> position, std::span<const Triangle> triangles, std::size_t known)
@@ -99,17 +95,27 @@ class TriangleGrid {
 
   /// boxes: of the triangles.
   void set_entries(std::span<const Box> boxes) {
-    Box others = {Vec3::Constant(HUGE_VAL), Vec3::Constant(-HUGE_VAL)};
-    for (std::size_t t = known_; t < boxes.size(); ++t)
-      others = {others.lower.cwiseMin(boxes[t].lower), others.upper.cwiseMax(boxes[t].upper)};
-    std::vector<Entry> found;
-    for (int t = 0; t < static_cast<int>(boxes.size()); ++t) {
-      if (t < known_ && !boxes[t].meets(others)) continue;
+    std::vector<Entry> found, others;
+    const auto for_each_cell = [&](std::size_t t, const auto& visit) {
       const Cell first = cell_of(boxes[t].lower), last = cell_of(boxes[t].upper);
       for (std::uint64_t k = first[2]; k <= last[2]; ++k)
         for (std::uint64_t j = first[1]; j <= last[1]; ++j)
-          for (std::uint64_t i = first[0]; i <= last[0]; ++i) found.push_back({cell_key(Cell{i, j, k}), t});
+          for (std::uint64_t i = first[0]; i <= last[0]; ++i)
+            visit(Entry{cell_key(Cell{i, j, k}), static_cast<int>(t)});
+    };
+    for (std::size_t t = known_; t < boxes.size(); ++t)
+      for_each_cell(t, [&](const Entry& entry) { others.push_back(entry); });
+    if (known_ > 0) {
+      const HashedBins cells(others);
+      const auto is_shared = [&](std::uint64_t key) {
+        return std::ranges::any_of(cells.near(key), [&](const Entry& other) { return other.key == key; });
+      };
+      for (std::size_t t = 0; t < static_cast<std::size_t>(known_); ++t)
+        for_each_cell(t, [&](const Entry& entry) {
+          if (is_shared(entry.key)) found.push_back(entry);
+        });
     }
+    found.insert(found.end(), others.begin(), others.end());
     bins_ = HashedBins(found);
     const std::size_t padded = found.size() + kWide;
     for (auto* side : {&lower_, &upper_})

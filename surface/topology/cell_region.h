@@ -23,6 +23,12 @@ inline LatticeCell coarser(const LatticeCell& cell, int times) {
   return result;
 }
 
+inline bool has(const LatticeBlock& block, const LatticeCell& cell) {
+  for (int a = 0; a < 3; ++a)
+    if (cell[a] < block.first[a] || cell[a] > block.last[a]) return false;
+  return true;
+}
+
 /// Some cells and all that are up to `growth` away from one of them along each axis.
 class CellRegion {
  public:

@@ -230,12 +230,6 @@ LatticeBlock widened(const SampledField& lattice, LatticeBlock block, int points
   return block;
 }
 
-bool has(const LatticeBlock& block, const LatticeCell& at) {
-  for (int a = 0; a < 3; ++a)
-    if (at[a] < block.first[a] || at[a] > block.last[a]) return false;
-  return true;
-}
-
 /// The points of a block, without values.
 SampledField part_of(const SampledField& lattice, const LatticeBlock& block) {
   SampledField part = lattice;

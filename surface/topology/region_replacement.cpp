@@ -88,7 +88,10 @@ void replace_regions(const ReplacementSetting& setting, const std::vector<std::v
         1);
     std::vector<LatticeBlock> changed;
     for (std::size_t i = 0; i < round.size(); ++i) {
-      if (meets_any(found[i].read, changed)) continue;  // the mesh is no longer the one it was found for
+      if (meets_any(found[i].read, changed)) {  // the mesh is no longer the one it was found for:
+        box[round[i]] = found[i].read;          // it waits until all before it in there is done
+        continue;
+      }
       std::erase(pending, round[i]);
       if (found[i].is_sound && found[i].removed.empty() && found[i].added.empty()) continue;
       if (found[i].is_sound && exchange(found[i], vertex_count, edits, replaced))

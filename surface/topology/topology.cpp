@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <iterator>
+#include <numeric>
 
 #include "core/parallel.h"
 #include "core/sort_unique.h"
 #include "surface/mesh/lattice_blocks.h"
 #include "surface/mesh/self_intersection.h"
 #include "surface/topology/disagreement.h"
+#include "surface/topology/patch.h"
 #include "surface/topology/region_replacement.h"
 
 namespace kappaflow {
@@ -100,27 +102,21 @@ std::vector<LatticeBlock> or_everywhere(const Field& field, const TriangleMesh& 
   return points_in(all) < points ? all : blocks;
 }
 
-/// The triangles of which every corner is touched: all that have changed are among them.
-std::vector<Triangle> touched_triangles(const TriangleMesh& mesh, std::span<const char> touched) {
-  std::vector<Triangle> found;
-  std::ranges::copy_if(mesh.triangles, std::back_inserter(found), [&](const Triangle& t) {
-    return std::ranges::all_of(t, [&](int v) { return touched[v] != 0; });
-  });
-  return found;
-}
-
-/// Where triangles in the blocks pass through each other.
+/// Where the changed triangles, by number, pass through others or each other.
 void add_cells_of_crossings(const TriangleMesh& mesh, const SampledField& lattice,
-                            std::span<const LatticeBlock> blocks, std::vector<LatticeCell>& cells) {
-  std::vector<int> near;
-  for (const std::vector<int>& of_block : triangles_near(lattice, mesh.position, mesh.triangles, blocks, 0))
-    near.insert(near.end(), of_block.begin(), of_block.end());
-  sort_unique(near);
-  std::vector<Triangle> triangles;
-  triangles.reserve(near.size());
-  for (const int t : near) triangles.push_back(mesh.triangles[t]);
-  std::vector<int> crossing = intersecting_triangles(mesh.position, triangles);
-  for (int& t : crossing) t = near[t];
+                            std::span<const int> changed, std::vector<LatticeCell>& cells) {
+  std::vector<int> order;  // the others go first
+  order.reserve(mesh.triangles.size());
+  auto next = changed.begin();
+  for (int t = 0; t < static_cast<int>(mesh.triangles.size()); ++t)
+    if (next != changed.end() && *next == t)
+      ++next;
+    else
+      order.push_back(t);
+  const std::size_t known = order.size();
+  order.insert(order.end(), changed.begin(), changed.end());
+  std::vector<int> crossing = intersecting_triangles(mesh.position, triangles_of(mesh, order), known);
+  for (int& t : crossing) t = order[t];
   std::ranges::copy(cells_of(lattice, mesh, crossing), std::back_inserter(cells));
 }
 
@@ -137,16 +133,48 @@ LatticeGuard topology_guard(const Field& field, const TopologyOptions& options, 
 
 namespace {
 
-/// Where mesh and surface disagree, or the mesh passes through itself. blocks: where it is looked for.
+/// What a comparison of mesh and surface looks at, beside what every one does.
+struct Scope {
+  std::vector<int> triangles;        // that may pass through others
+  std::vector<LatticeBlock> blocks;  // in which points may be in dispute
+};
+
+Scope whole_scope(const Field& field, const TriangleMesh& mesh, const SampledField& lattice) {
+  Scope scope{std::vector<int>(mesh.triangles.size()), everywhere(field, mesh, lattice)};
+  std::iota(scope.triangles.begin(), scope.triangles.end(), 0);
+  return scope;
+}
+
+/// Where something may have changed, all corners being touched, or is unsettled.
+Scope scope_of(const Field& field, const TriangleMesh& mesh, const SampledField& lattice,
+               std::span<const char> touched, std::span<const LatticeBlock> unsettled) {
+  const auto is_unsettled = [&](int v) {
+    const LatticeCell cell = unsettled.empty() ? LatticeCell{} : cell_of(lattice, mesh.position[v]);
+    return std::ranges::any_of(unsettled, [&](const LatticeBlock& block) { return has(block, cell); });
+  };
+  Scope scope;
+  for (int t = 0; t < static_cast<int>(mesh.triangles.size()); ++t)
+    if (const Triangle& corners = mesh.triangles[t];
+        std::ranges::all_of(corners, [&](int v) { return touched[v] != 0; }) ||
+        std::ranges::any_of(corners, is_unsettled))
+      scope.triangles.push_back(t);
+  const std::vector<Triangle> changed = triangles_of(mesh, scope.triangles);
+  std::vector<LatticeBlock> blocks = blocks_of(lattice, cubes_of(lattice, mesh.position, changed));
+  blocks.insert(blocks.end(), unsettled.begin(), unsettled.end());
+  scope.blocks = or_everywhere(field, mesh, lattice, std::move(blocks));
+  return scope;
+}
+
+/// Where mesh and surface disagree, or the mesh passes through itself.
 std::vector<LatticeCell> disputed_cells(const ReplacementSetting& setting, bool quick,
-                                        const TriangleMesh& mesh, std::span<const LatticeBlock> blocks) {
+                                        const TriangleMesh& mesh, const Scope& scope) {
   const auto& [field, lattice, edge_length, tolerance, off_surface, seam_off_surface, may_be_finer] = setting;
   std::vector<LatticeCell> cells;
   add_cells_off_surface(field, mesh, quick ? kFarOff * edge_length : off_surface, lattice, cells);
   if (quick) return cells;
-  add_cells_of_crossings(mesh, lattice, blocks, cells);
+  add_cells_of_crossings(mesh, lattice, scope.triangles, cells);
   add_cells_at_threads(mesh, kThread * edge_length, lattice, cells);
-  std::ranges::copy(cells_in_dispute(field, mesh, kDispute * edge_length, lattice, blocks),
+  std::ranges::copy(cells_in_dispute(field, mesh, kDispute * edge_length, lattice, scope.blocks),
                     std::back_inserter(cells));
   return cells;
 }
@@ -160,16 +188,6 @@ void count_vertices(const VertexHistory& history, TopologyCounts& counts) {
 
 }  // namespace
 
-std::vector<LatticeBlock> TopologyChange::to_compare(const Field& field, const TriangleMesh& mesh,
-                                                     const SampledField& lattice, Comparison comparison,
-                                                     std::span<const char> touched) const {
-  if (comparison == Comparison::quick) return {};
-  if (comparison == Comparison::thorough) return everywhere(field, mesh, lattice);
-  auto blocks = blocks_of(lattice, cubes_of(lattice, mesh.position, touched_triangles(mesh, touched)));
-  blocks.insert(blocks.end(), unsettled_.begin(), unsettled_.end());
-  return or_everywhere(field, mesh, lattice, std::move(blocks));
-}
-
 TopologyCounts TopologyChange::change(const Field& field, const TopologyOptions& options, double edge_length,
                                       const ProjectionOptions& projection, Comparison comparison,
                                       TriangleMesh& mesh, std::span<const char> touched) {
@@ -181,10 +199,12 @@ TopologyCounts TopologyChange::change(const Field& field, const TopologyOptions&
                                    kOff * edge_length,
                                    (comparison == Comparison::quick ? kSeamOff : kOff) * edge_length,
                                    comparison == Comparison::repeated};
-  const auto blocks = to_compare(field, mesh, lattice, comparison, touched);
+  Scope scope;
+  if (comparison == Comparison::thorough) scope = whole_scope(field, mesh, lattice);
+  if (comparison == Comparison::repeated) scope = scope_of(field, mesh, lattice, touched, unsettled_);
   unsettled_.clear();
   TopologyCounts counts;
-  std::vector<LatticeCell> cells = disputed_cells(setting, comparison == Comparison::quick, mesh, blocks);
+  std::vector<LatticeCell> cells = disputed_cells(setting, comparison == Comparison::quick, mesh, scope);
   if (cells.empty()) return counts;
   edits_.start(mesh);
   VertexCells vertices(lattice);
@@ -193,11 +213,10 @@ TopologyCounts TopologyChange::change(const Field& field, const TopologyOptions&
     replaced.blocks.clear();
     replace_regions(setting, regions_of(cells), kRegionGrowth + pass, edits_, vertices, replaced);
     edits_.drop_removed_triangles();
-    unsettled_.insert(unsettled_.end(), replaced.blocks.begin(), replaced.blocks.end());
     cells = cells_in_dispute(field, mesh, kDispute * edge_length, lattice,
                              or_everywhere(field, mesh, lattice, std::move(replaced.blocks)));
   }
-  unsettled_.insert(unsettled_.end(), replaced.refused.begin(), replaced.refused.end());
+  unsettled_ = replaced.refused;
   for (const LatticeCell& cell : cells) unsettled_.push_back({cell, cell});
   edits_.finish();
   counts.replaced = replaced.regions;

@@ -44,8 +44,8 @@ class TopologyChange {
  public:
   /// edge_length: of the mesh, > 0 [m]. mesh: its vertices projected, TriangleMesh::gradient theirs. Where
   /// TopologyCounts::replaced > 0, whoever keeps more about the vertices renews it (see history()). touched,
-  /// for a repeated comparison: VertexHistory::touched of the edits since the last change; there were no
-  /// others, and the field is the same. Throws TopologyError for a mesh that is not closed, with no change.
+  /// for a repeated comparison: of each vertex, whether triangles of it have changed since the last
+  /// comparison; nothing has moved since. Throws TopologyError for a mesh that is not closed, with no change.
   TopologyCounts change(const Field& field, const TopologyOptions& options, double edge_length,
                         const ProjectionOptions& projection, Comparison comparison, TriangleMesh& mesh,
                         std::span<const char> touched = {});
@@ -54,12 +54,8 @@ class TopologyChange {
   const VertexHistory& history() const { return edits_.history(); }
 
  private:
-  std::vector<LatticeBlock> to_compare(const Field& field, const TriangleMesh& mesh,
-                                       const SampledField& lattice, Comparison comparison,
-                                       std::span<const char> touched) const;
-
   MeshEdits edits_;
-  std::vector<LatticeBlock> unsettled_;  // where the last change replaced something, or failed to
+  std::vector<LatticeBlock> unsettled_;  // what the last change left as it was
 };
 
 }  // namespace kappaflow

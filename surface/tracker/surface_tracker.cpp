@@ -18,6 +18,14 @@ namespace {
 
 constexpr int kSettlingRounds = 4;  // of replacing and remeshing: one may call for another nearby
 
+/// VertexHistory::touched of edits and others that came after them.
+std::vector<char> touched_by_both(const VertexHistory& first, const VertexHistory& second) {
+  std::vector<char> touched = second.touched;
+  for (int v = 0; v < static_cast<int>(touched.size()); ++v)
+    if (const int before = second.before(v); before >= 0) touched[v] |= first.touched[before];
+  return touched;
+}
+
 }  // namespace
 
 /// Everything that a tracker keeps between its steps, and their parts.
@@ -169,8 +177,11 @@ double SurfaceTracker::State::project(const Field& field) {
 bool SurfaceTracker::State::change_topology(const Field& field, Comparison comparison, TrackerStep& report) {
   TopologyCounts counts;
   report.topology_seconds += seconds_of([&] {
+    const std::vector<char> touched = comparison == Comparison::repeated
+                                          ? touched_by_both(topology_change.history(), remesher.history())
+                                          : std::vector<char>();
     counts = topology_change.change(field, options.topology, options.remeshing.edge_length,
-                                    options.projection, comparison, mesh, remesher.history().touched);
+                                    options.projection, comparison, mesh, touched);
     if (counts.replaced > 0) renew_connectivity(topology_change.history());
   });
   report.topology += counts;
