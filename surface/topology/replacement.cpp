@@ -105,6 +105,14 @@ LatticeBlock united(LatticeBlock a, const LatticeBlock& b) {
   return a;
 }
 
+/// Adds a cell and those so far from it along the axes.
+void add_around(const LatticeCell& cell, int distance, std::vector<LatticeCell>& cells) {
+  cells.push_back(cell);
+  for (int n = 0; n < 27 && distance > 0; ++n)
+    cells.push_back({cell[0] + (n % 3 - 1) * distance, cell[1] + (n / 3 % 3 - 1) * distance,
+                     cell[2] + (n / 9 - 1) * distance});
+}
+
 /// One attempt. region: to be replaced; around: of which triangles are looked at.
 Obstacles attempt(const ReplacementSetting& setting, const CellRegion& region, const CellRegion& around,
                   const MeshEdits& edits, const VertexCells& vertices, Replacement& result) {
@@ -135,6 +143,7 @@ Replacement find_replacement(const ReplacementSetting& setting, std::span<const 
   const int surroundings =
       static_cast<int>(std::ceil(kSurroundings * setting.edge_length / setting.lattice.spacing));
   Replacement result;
+  int further = 0;  // around what was in the way
   for (int n = 0; n < kAttempts; ++n) {
     const CellRegion region(wider, growth), around(wider, growth + surroundings);
     if (around.too_large()) break;
@@ -143,8 +152,8 @@ Replacement find_replacement(const ReplacementSetting& setting, std::span<const 
       in_the_way.push_back(cell_of(setting.lattice, x));
     result.is_sound = in_the_way.empty();
     if (result.is_sound) break;
-    if (std::ranges::all_of(in_the_way, [&](const LatticeCell& c) { return region.has(c); })) ++growth;
-    wider.insert(wider.end(), in_the_way.begin(), in_the_way.end());
+    if (std::ranges::all_of(in_the_way, [&](const LatticeCell& c) { return region.has(c); })) ++further;
+    for (const LatticeCell& c : in_the_way) add_around(c, further, wider);
   }
   return result;
 }
