@@ -45,7 +45,8 @@ constexpr double kSecondsPerViscousIteration = 0.11e-6;  // and particle
 constexpr double kSecondsPerFairing = 0.3e-6;            // a vertex and step: projection
 constexpr double kSecondsPerFairingIteration = 0.32e-6;  // and relaxation
 constexpr double kSecondsPerRemeshing = 1.2e-6;  // likewise: remeshing, and looking for changes of topology
-constexpr double kSecondsPerRegionVertex = 0.6e-6;  // to replace a region of a mesh of so many vertices
+constexpr double kSecondsPerRegion = 6.5e-3;     // a change of topology, with the comparison after it
+constexpr double kSecondsPerRegionVertex = 0.6e-6;  // the same of a stream's mesh of so many vertices
 constexpr double kSecondsPerFreshVertex =
     8e-6;  // a frame: meshing it anew, and where its liquid has come from
 constexpr double kSecondsPerGridPoint = 14e-6;      // a step of fresh-grid
@@ -82,7 +83,7 @@ constexpr double kCalm = 20,
                  kWild = 300;      // Reynolds numbers below which nothing splashes and above which all may
 constexpr double kSplashPeak = 3;  // when, in units of when it begins
 // Of changes of topology, see topology_seconds(). Those of a stream grow with the Reynolds number up to here.
-constexpr double kRegionsPerMotion = 0.009, kStreamRegionsPerMotion = 7e-5;
+constexpr double kRegionsPerMotion = 0.07, kStreamRegionsPerMotion = 7e-5;
 constexpr double kFoldingPower = 0.8, kMostFolding = 30;
 
 double memory(const Scene& scene, double particles, double boundary_particles, double vertices) {
@@ -311,17 +312,18 @@ double grid_seconds_per_particle(const Scene& scene) {
   return grids * kSecondsPerGridPoint * std::pow(spacing, -3);
 }
 
-/// Changes of topology of one surface for a second of simulated time. They come the oftener the faster the
-/// liquid moves, in spacings; the more shreds there are, the more meet; a stream folds.
-double topology_seconds(double smooth, double torn, const Scene& scene, const Flow& flow) {
+/// Changes of topology of one surface for a second of simulated time. Shreds part and meet the oftener the
+/// faster the liquid moves, in sizes of its body; a stream folds, by spacings.
+double topology_seconds(double smooth, double torn, double particles, const Scene& scene, const Flow& flow) {
   if (!scene.surface.remesh || !scene.surface.topology) return 0;
   const double motion = std::sqrt(2 * flow.energy) / scene.fluid.spacing;
   const double folding =
       scene.fluid.emitters.empty()
           ? 0
           : kStreamRegionsPerMotion * std::pow(std::min(flow.reynolds, kMostFolding), kFoldingPower);
-  return kernel_times(scene) * kSecondsPerRegionVertex * motion *
-         (kRegionsPerMotion * torn * torn + folding * smooth * smooth);
+  return kernel_times(scene) * motion *
+         (kSecondsPerRegion * kRegionsPerMotion * torn / std::cbrt(std::max(1.0, particles)) +
+          kSecondsPerRegionVertex * folding * smooth * smooth);
 }
 
 /// With the time of setting up in units of an iteration's.
@@ -365,7 +367,7 @@ void add_work(const Scene& scene, const FluidParticlesAtStart& start, const Flow
               (kSolverSecondsPerParticleStep +
                viscous_iterations(lasting / steps, scene) * kSecondsPerViscousIteration);
     shared += tracker_steps * (vertices * vertex_step + particles * grid_seconds_per_particle(scene)) +
-              tracked * lasting * topology_seconds(smooth, torn, scene, flow) +
+              tracked * lasting * topology_seconds(smooth, torn, particles, scene, flow) +
               (methods - tracked) * frames / spans * vertices * kSecondsPerFreshVertex;
     shared += tracker_steps * first * stages(scene.surface.tracker.integrator) *
               velocity_seconds(scene, "material");

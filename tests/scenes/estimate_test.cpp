@@ -54,11 +54,11 @@ TEST(Estimate, TimeFollowsDurationMethodsStepsAndThreads) {
   longer.duration = 10;
   EXPECT_GT(estimate_of(longer, 1).seconds, 9 * seconds);
   smooth.surface.kernels = Kernels::anisotropic;
-  EXPECT_GT(estimate_of(smooth, 1).seconds, 1.05 * seconds);
+  EXPECT_GT(estimate_of(smooth, 1).seconds, 1.03 * seconds);
   unfollowed.surface.methods.clear();
   EXPECT_LT(estimate_of(unfollowed, 1).seconds, seconds);
   on_a_grid.surface.methods = {"fresh-grid"};
-  EXPECT_GT(estimate_of(on_a_grid, 1).seconds, 1.5 * seconds);
+  EXPECT_GT(estimate_of(on_a_grid, 1).seconds, 1.4 * seconds);
   slower.fluid.max_time_step /= 10;
   EXPECT_GT(estimate_of(slower, 1).seconds, 2 * seconds);
   EXPECT_LT(estimate_of(scene, 2).seconds, seconds);
@@ -180,11 +180,11 @@ TEST(Estimate, IsWithinAFactorOfTwoOfWhatRunsTook) {
   first_second.duration = 1;
   for (const auto& [name, scene, steps, vertices, seconds] :
        {Recorded{"staircase-small", shipped("staircase-small"), 80, 1242, 1.0},
-        Recorded{"staircase, 1 s", first_second, 250, 7208, 26},
-        Recorded{"two threads", parse_scene(kTwoThreads, "threads.toml"), 757, 4187, 10.4},
-        Recorded{"splash", shipped("splash"), 351, 14101, 26.5},
-        Recorded{"pour", parse_scene(kPour, "pour.toml"), 532, 3166, 7.3},
-        Recorded{"drop", parse_scene(kDropIntoAPool, "drop.toml"), 152, 7144, 6.9}}) {
+        Recorded{"staircase, 1 s", first_second, 250, 7208, 27},
+        Recorded{"two threads", parse_scene(kTwoThreads, "threads.toml"), 757, 4160, 9.5},
+        Recorded{"splash", shipped("splash"), 351, 14096, 21.6},
+        Recorded{"pour", parse_scene(kPour, "pour.toml"), 532, 3121, 4.8},
+        Recorded{"drop", parse_scene(kDropIntoAPool, "drop.toml"), 152, 7150, 6.4}}) {
     SCOPED_TRACE(name);
     const SceneEstimate result = estimate_of(scene, 1);
     expect_within_a_factor_of_two(result.steps, steps, "steps");
