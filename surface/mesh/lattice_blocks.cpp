@@ -53,11 +53,12 @@ CubeRange cubes_around(const SampledField& lattice, std::span<const Vec3> positi
 }
 
 /// Those of the block's cells; of a point, that of a cell at it.
-CubeRange cubes_of_block(const LatticeBlock& block) {
+CubeRange cubes_of_block(const SampledField& lattice, const LatticeBlock& block) {
   CubeRange cubes;
   for (int a = 0; a < 3; ++a) {
-    cubes.first[a] = std::max(0, block.first[a]) / kCubeCells;
-    cubes.last[a] = std::max({0, block.first[a], block.last[a] - 1}) / kCubeCells;
+    const int last = std::max(0, lattice.dims[a] - 2);
+    cubes.first[a] = std::clamp(block.first[a], 0, last) / kCubeCells;
+    cubes.last[a] = std::clamp(std::max(block.first[a], block.last[a] - 1), 0, last) / kCubeCells;
   }
   return cubes;
 }
@@ -79,10 +80,10 @@ LatticeBlock whole(const SampledField& lattice) {
 }
 
 std::vector<LatticeCube> cubes_of(const SampledField& lattice, std::span<const Vec3> position,
-                                  std::span<const Triangle> triangles) {
+                                  std::span<const Triangle> triangles, double reach) {
   std::vector<LatticeCube> cubes;
   for (const Triangle& t : triangles)
-    for_each_cube(cubes_around(lattice, position, t, kMargin), [&](const LatticeCube& cube) {
+    for_each_cube(cubes_around(lattice, position, t, reach + kMargin), [&](const LatticeCube& cube) {
       if (cubes.empty() || cubes.back() != cube) cubes.push_back(cube);
     });
   return cubes;
@@ -110,7 +111,7 @@ std::vector<std::vector<int>> triangles_near(const SampledField& lattice, std::s
                                              std::span<const LatticeBlock> blocks, double reach) {
   std::vector<HashedBins::Entry> by_cube;
   for (std::size_t b = 0; b < blocks.size(); ++b)
-    for_each_cube(cubes_of_block(blocks[b]), [&](const LatticeCube& cube) {
+    for_each_cube(cubes_of_block(lattice, blocks[b]), [&](const LatticeCube& cube) {
       by_cube.push_back({cell_key(cube), static_cast<int>(b)});
     });
   const HashedBins bins(by_cube);

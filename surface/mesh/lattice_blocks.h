@@ -18,9 +18,9 @@ double points_in(std::span<const LatticeBlock> blocks);
 /// All of the lattice's points.
 LatticeBlock whole(const SampledField& lattice);
 
-/// The cubes that triangles reach into, or come within a hundredth of a cell of.
+/// The cubes that triangles reach into, or come within `reach` and a hundredth of a cell of.
 std::vector<LatticeCube> cubes_of(const SampledField& lattice, std::span<const Vec3> position,
-                                  std::span<const Triangle> triangles);
+                                  std::span<const Triangle> triangles, double reach = 0);
 
 /// The cubes as blocks of points, ascending by z, y, x: neighbours share the points of their sides. The whole
 /// lattice, as one, where that has at most twice the points. Throws InvalidInput for more than 2^31 points.

@@ -57,7 +57,7 @@ bool any_cross(const RemeshState& state, std::span<const int> old, int apex, con
   for (std::size_t i = 0; i < added.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
       if (cross(added[i], added[j])) return true;
-  add_neighbours(edits, around);
+  for (int ring = 1; ring < kCrossingReach; ++ring) add_neighbours(edits, around);
   return !std::ranges::all_of(around, [&](int v) {
     return edits.all_out(v, [&](int out) {
       if (is_old(out / 3)) return true;

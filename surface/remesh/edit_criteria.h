@@ -66,7 +66,7 @@ bool is_off(const RemeshSetting& setting, const Vec3& centroid);
 bool is_off_surface(const RemeshSetting& setting, const RemeshState& state, const Triangle& triangle);
 
 /// How many edges it is from a vertex whose triangles give way to those whose triangles would_cross() reads;
-/// from the corners of the triangles it is one less.
+/// from the corners of the triangles it is one less: so many rings and one more.
 inline constexpr int kCrossingReach = 2;
 
 /// Whether the triangles that join vertex apex with the edges around the old ones pass through others in the

@@ -39,7 +39,7 @@ std::vector<int> triangles_off_surface(const Field& field, const TriangleMesh& m
 /// the surface's by simple points, one after the other: there a neck, slit, piece or hole is on the lattice
 /// of one and not of the other. And those at points around which the mesh goes more than once, or backwards.
 /// Only cells in the blocks are looked for, in their order. Of the lattice at most 2^22 points, or thin
-/// slabs, are held by each thread; its values are not read.
+/// slabs, are looked at by a task; its values are not read.
 std::vector<LatticeCell> cells_in_dispute(const Field& field, const TriangleMesh& mesh, double limit,
                                           const SampledField& lattice, std::span<const LatticeBlock> blocks);
 

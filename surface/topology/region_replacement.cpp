@@ -97,7 +97,8 @@ void replace_regions(const ReplacementSetting& setting, const std::vector<std::v
       if (found[i].is_sound && exchange(found[i], vertex_count, edits, replaced))
         changed.push_back(found[i].changed);
       else
-        replaced.refused.push_back(box_around(regions[round[i]], 0));
+        for (auto* list : {&replaced.refused, &replaced.failed})
+          list->push_back(box_around(regions[round[i]], 0));
     }
   }
 }

@@ -13,6 +13,7 @@ struct Replaced {
   std::size_t triangles_removed = 0;
   std::vector<LatticeBlock> blocks;   ///< around what each replacement touched
   std::vector<LatticeBlock> refused;  ///< around regions that stay as they were
+  std::vector<LatticeBlock> failed;   ///< around all that ever were, whatever a later call made of them
 };
 
 /// Replaces the mesh in each of the regions and up to `growth` cells around, wider where that is needed.

@@ -146,7 +146,10 @@ Replacement find_replacement(const ReplacementSetting& setting, std::span<const 
   int further = 0;  // around what was in the way
   for (int n = 0; n < kAttempts; ++n) {
     const CellRegion region(wider, growth), around(wider, growth + surroundings);
-    if (around.too_large()) break;
+    if (around.too_large()) {
+      result.read = around.block();
+      break;
+    }
     std::vector<LatticeCell> in_the_way;
     for (const Vec3& x : attempt(setting, region, around, edits, vertices, result))
       in_the_way.push_back(cell_of(setting.lattice, x));

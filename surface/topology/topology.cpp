@@ -4,7 +4,6 @@
 #include <iterator>
 #include <numeric>
 
-#include "core/parallel.h"
 #include "core/sort_unique.h"
 #include "surface/mesh/lattice_blocks.h"
 #include "surface/mesh/self_intersection.h"
@@ -24,6 +23,8 @@ constexpr double kThread = 0.01;  // length of an edge around a thread, in edge 
 constexpr int kCluster = 2;       // cells of a region are in blocks of so many that touch
 constexpr int kRegionGrowth = 1;  // of a region [cells], one more in each pass
 constexpr int kPasses = 3;
+constexpr int kUnsettled = 8;     // [cells] along the cubes in which is kept what was left as it was
+constexpr double kEditReach = 2;  // of an edit beyond the triangles that come of it, in edge lengths
 
 /// Cells by the blocks of kCluster^3 that they lie in, ascending.
 std::vector<std::pair<LatticeCell, LatticeCell>> cells_by_block(std::span<const LatticeCell> cells) {
@@ -145,12 +146,37 @@ Scope whole_scope(const Field& field, const TriangleMesh& mesh, const SampledFie
   return scope;
 }
 
-/// Where something may have changed, all corners being touched, or is unsettled.
-Scope scope_of(const Field& field, const TriangleMesh& mesh, const SampledField& lattice,
-               std::span<const char> touched, std::span<const LatticeBlock> unsettled) {
+/// The cells of a lattice kUnsettled times as coarse that hold the boxes or the cells, ascending.
+std::vector<LatticeCell> coarse_cells(std::span<const LatticeBlock> boxes,
+                                      std::span<const LatticeCell> cells) {
+  std::vector<LatticeCell> coarse;
+  for (const LatticeBlock& box : boxes) {
+    const LatticeCell first = coarser(box.first, kUnsettled), last = coarser(box.last, kUnsettled);
+    LatticeCell at;
+    for (at[2] = first[2]; at[2] <= last[2]; ++at[2])
+      for (at[1] = first[1]; at[1] <= last[1]; ++at[1])
+        for (at[0] = first[0]; at[0] <= last[0]; ++at[0]) coarse.push_back(at);
+  }
+  for (const LatticeCell& cell : cells) coarse.push_back(coarser(cell, kUnsettled));
+  sort_unique(coarse);
+  return coarse;
+}
+
+LatticeBlock points_of(const LatticeCell& coarse) {
+  LatticeBlock block;
+  for (int a = 0; a < 3; ++a) {
+    block.first[a] = coarse[a] * kUnsettled;
+    block.last[a] = block.first[a] + kUnsettled;
+  }
+  return block;
+}
+
+/// Where something may have changed, all corners being touched, or is unsettled: in coarse cells.
+Scope scope_of(const Field& field, const TriangleMesh& mesh, const SampledField& lattice, double edge_length,
+               std::span<const char> touched, std::span<const LatticeCell> unsettled) {
   const auto is_unsettled = [&](int v) {
-    const LatticeCell cell = unsettled.empty() ? LatticeCell{} : cell_of(lattice, mesh.position[v]);
-    return std::ranges::any_of(unsettled, [&](const LatticeBlock& block) { return has(block, cell); });
+    return !unsettled.empty() &&
+           std::ranges::binary_search(unsettled, coarser(cell_of(lattice, mesh.position[v]), kUnsettled));
   };
   Scope scope;
   for (int t = 0; t < static_cast<int>(mesh.triangles.size()); ++t)
@@ -158,9 +184,11 @@ Scope scope_of(const Field& field, const TriangleMesh& mesh, const SampledField&
         std::ranges::all_of(corners, [&](int v) { return touched[v] != 0; }) ||
         std::ranges::any_of(corners, is_unsettled))
       scope.triangles.push_back(t);
-  const std::vector<Triangle> changed = triangles_of(mesh, scope.triangles);
-  std::vector<LatticeBlock> blocks = blocks_of(lattice, cubes_of(lattice, mesh.position, changed));
-  blocks.insert(blocks.end(), unsettled.begin(), unsettled.end());
+  // What was there before an edit may have been further away than what is there now.
+  std::vector<LatticeBlock> blocks =
+      blocks_of(lattice, cubes_of(lattice, mesh.position, triangles_of(mesh, scope.triangles),
+                                  kEditReach * edge_length / lattice.spacing));
+  std::ranges::transform(unsettled, std::back_inserter(blocks), points_of);
   scope.blocks = or_everywhere(field, mesh, lattice, std::move(blocks));
   return scope;
 }
@@ -200,8 +228,9 @@ TopologyCounts TopologyChange::change(const Field& field, const TopologyOptions&
                                    (comparison == Comparison::quick ? kSeamOff : kOff) * edge_length,
                                    comparison == Comparison::repeated};
   Scope scope;
-  if (comparison == Comparison::thorough) scope = whole_scope(field, mesh, lattice);
-  if (comparison == Comparison::repeated) scope = scope_of(field, mesh, lattice, touched, unsettled_);
+  if (comparison != Comparison::quick)
+    scope = touched.empty() ? whole_scope(field, mesh, lattice)
+                            : scope_of(field, mesh, lattice, edge_length, touched, unsettled_);
   unsettled_.clear();
   TopologyCounts counts;
   std::vector<LatticeCell> cells = disputed_cells(setting, comparison == Comparison::quick, mesh, scope);
@@ -216,8 +245,7 @@ TopologyCounts TopologyChange::change(const Field& field, const TopologyOptions&
     cells = cells_in_dispute(field, mesh, kDispute * edge_length, lattice,
                              or_everywhere(field, mesh, lattice, std::move(replaced.blocks)));
   }
-  unsettled_ = replaced.refused;
-  for (const LatticeCell& cell : cells) unsettled_.push_back({cell, cell});
+  unsettled_ = coarse_cells(replaced.failed, cells);
   edits_.finish();
   counts.replaced = replaced.regions;
   counts.refused = replaced.refused.size();

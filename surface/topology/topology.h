@@ -6,8 +6,8 @@
 
 #include "surface/field/field.h"
 #include "surface/field/projection.h"
-#include "surface/mesh/isosurface.h"
 #include "surface/mesh/mesh_edits.h"
+#include "surface/topology/cell_region.h"
 #include "surface/topology/lattice_guard.h"
 #include "surface/topology/topology_options.h"
 
@@ -45,7 +45,8 @@ class TopologyChange {
   /// edge_length: of the mesh, > 0 [m]. mesh: its vertices projected, TriangleMesh::gradient theirs. Where
   /// TopologyCounts::replaced > 0, whoever keeps more about the vertices renews it (see history()). touched,
   /// for a repeated comparison: of each vertex, whether triangles of it have changed since the last
-  /// comparison; nothing has moved since. Throws TopologyError for a mesh that is not closed, with no change.
+  /// comparison, and nothing has moved; empty: anything may have. Throws TopologyError for a mesh that is not
+  /// closed, with no change.
   TopologyCounts change(const Field& field, const TopologyOptions& options, double edge_length,
                         const ProjectionOptions& projection, Comparison comparison, TriangleMesh& mesh,
                         std::span<const char> touched = {});
@@ -55,7 +56,7 @@ class TopologyChange {
 
  private:
   MeshEdits edits_;
-  std::vector<LatticeBlock> unsettled_;  // what the last change left as it was
+  std::vector<LatticeCell> unsettled_;  // where the last change left something as it was, in coarse cells
 };
 
 }  // namespace kappaflow

@@ -9,7 +9,7 @@
 namespace kappaflow {
 
 /// The first places of particles, by their ids: at the start, or where they are when a step of the surface
-/// first finds them, half of sigma after the emitter at most.
+/// first finds them, sigma after the emitter at most.
 class ParticleOrigins {
  public:
   /// Notes the places of those particles that have not been seen before.

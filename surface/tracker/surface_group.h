@@ -102,7 +102,7 @@ class FieldSurfaces : public SurfaceGroup {
   explicit FieldSurfaces(const std::shared_ptr<const Field>& first, const SurfaceOptions& options = {});
 
   /// Moves the surfaces from motion.t0() to motion.t1(), in so many steps: in one the surface should move by
-  /// at most half its length scale. Returns false when `watch` stopped it before the last of them.
+  /// at most its length scale. Returns false when `watch` stopped it before the last of them.
   bool step(FieldMotion& motion, int steps = 1, const Watch& watch = {}) {
     return step_through(motion, steps, watch);
   }

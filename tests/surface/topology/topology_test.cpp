@@ -353,6 +353,26 @@ TEST(Topology, ABodyFarAwayIsBornAndSeen) {
   EXPECT_EQ(topology_of(seen_by_lattice(sheet.mesh, isosurface_lattice(two, 0.25))), (ComponentsGenus{2, 0}));
 }
 
+TEST(Topology, IsComparedAgainWhereSomethingChanged) {
+  // The mesh has the one body; the field a second one, near it or far away, that only the lattice can tell.
+  const ParticleField one(testing::rotating_particles({Vec3(0, 0, 0)}, 1.0, 0.0), 0.3, 0);
+  for (const double place : {2.5, 60.0}) {
+    const ParticleField two(testing::rotating_particles({Vec3(0, 0, 0), Vec3(place, 0, 0)}, 1.0, 0.0), 0.3,
+                            0);
+    Sheet sheet(one, two, 0.15);
+    TopologyChange topology;
+    const auto again = [&](char touched) {
+      const std::vector<char> all(sheet.mesh.vertex_count(), touched);
+      return topology.change(two, {.follows_field = true}, 0.15, {}, Comparison::repeated, sheet.mesh, all)
+          .replaced;
+    };
+    EXPECT_EQ(again(0), 0u) << "nothing has changed";
+    EXPECT_EQ(again(1), place < 10 ? 1u : 0u) << "what changed is around the first body";
+    if (place > 10) EXPECT_EQ(sheet.change(topology, two, 0.15).replaced, 1u) << "everywhere";
+    EXPECT_EQ(topology_of(sheet.mesh), (ComponentsGenus{2, 0}));
+  }
+}
+
 TEST(Topology, VerticesElsewhereKeepEverything) {
   const ParticleField apart = two_drops(1.5), merged = two_drops(1.2);
   Sheet sheet(apart, merged, 0.15);
