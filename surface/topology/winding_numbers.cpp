@@ -135,9 +135,9 @@ std::span<const WindingNumbers::Crossing> WindingNumbers::in_row(int j, int k) c
 }
 
 std::vector<std::int8_t> WindingNumbers::in(const SampledField& part) const {
-  const auto& [columns, rows, planes] = part.dims;
-  std::vector<std::int8_t> winding(static_cast<std::size_t>(columns) * rows * planes, 0);
-  parallel_for(static_cast<std::size_t>(rows) * planes, [&](std::size_t jk) {
+  const int columns = part.dims[0], rows = part.dims[1];
+  std::vector<std::int8_t> winding(static_cast<std::size_t>(columns) * rows * part.dims[2], 0);
+  parallel_for(static_cast<std::size_t>(rows) * part.dims[2], [&](std::size_t jk) {
     const auto crossings =
         in_row(part.first_row + static_cast<int>(jk % rows), part.first_plane + static_cast<int>(jk / rows));
     if (crossings.empty()) return;

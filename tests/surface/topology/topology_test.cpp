@@ -368,7 +368,9 @@ TEST(Topology, IsComparedAgainWhereSomethingChanged) {
     };
     EXPECT_EQ(again(0), 0u) << "nothing has changed";
     EXPECT_EQ(again(1), place < 10 ? 1u : 0u) << "what changed is around the first body";
-    if (place > 10) EXPECT_EQ(sheet.change(topology, two, 0.15).replaced, 1u) << "everywhere";
+    if (place > 10) {
+      EXPECT_EQ(sheet.change(topology, two, 0.15).replaced, 1u) << "everywhere";
+    }
     EXPECT_EQ(topology_of(sheet.mesh), (ComponentsGenus{2, 0}));
   }
 }
