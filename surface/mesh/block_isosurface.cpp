@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "surface/mesh/lattice_blocks.h"
 #include "surface/mesh/lattice_edges.h"
 
 namespace kappaflow {
@@ -75,10 +76,7 @@ TriangleMesh isosurface_in_blocks(const SampledField& lattice, std::span<const L
   BlockSurface surface;
   SampledField samples = lattice;
   for (const LatticeBlock& block : blocks) {
-    samples.first_column = block.first[0];
-    samples.first_row = block.first[1];
-    samples.first_plane = block.first[2];
-    for (int a = 0; a < 3; ++a) samples.dims[a] = block.last[a] - block.first[a] + 1;
+    restrict_to(block, samples);
     sample(samples);
     move_off_zero(samples);
     surface.add(samples);

@@ -79,6 +79,13 @@ LatticeBlock whole(const SampledField& lattice) {
   return {{0, 0, 0}, {lattice.dims[0] - 1, lattice.dims[1] - 1, lattice.dims[2] - 1}};
 }
 
+void restrict_to(const LatticeBlock& block, SampledField& samples) {
+  samples.first_column = block.first[0];
+  samples.first_row = block.first[1];
+  samples.first_plane = block.first[2];
+  for (int a = 0; a < 3; ++a) samples.dims[a] = block.last[a] - block.first[a] + 1;
+}
+
 std::vector<LatticeCube> cubes_of(const SampledField& lattice, std::span<const Vec3> position,
                                   std::span<const Triangle> triangles, double reach) {
   std::vector<LatticeCube> cubes;

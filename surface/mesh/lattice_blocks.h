@@ -18,6 +18,9 @@ double points_in(std::span<const LatticeBlock> blocks);
 /// All of the lattice's points.
 LatticeBlock whole(const SampledField& lattice);
 
+/// Makes samples of a lattice those at the points of the block; their values are not touched.
+void restrict_to(const LatticeBlock& block, SampledField& samples);
+
 /// The cubes that triangles reach into, or come within `reach` and a hundredth of a cell of.
 std::vector<LatticeCube> cubes_of(const SampledField& lattice, std::span<const Vec3> position,
                                   std::span<const Triangle> triangles, double reach = 0);

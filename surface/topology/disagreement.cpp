@@ -230,16 +230,6 @@ LatticeBlock widened(const SampledField& lattice, LatticeBlock block, int points
   return block;
 }
 
-/// The points of a block, without values.
-SampledField part_of(const SampledField& lattice, const LatticeBlock& block) {
-  SampledField part = lattice;
-  part.first_column = block.first[0];
-  part.first_row = block.first[1];
-  part.first_plane = block.first[2];
-  for (int a = 0; a < 3; ++a) part.dims[a] = block.last[a] - block.first[a] + 1;
-  return part;
-}
-
 /// Cuts a block across z, so that each piece has at most kPointsAtOnce points with those around it, or is
 /// thin; none where it is empty.
 void add_slabs(const SampledField& lattice, const LatticeBlock& block, std::vector<LatticeBlock>& slabs) {
@@ -322,7 +312,8 @@ std::vector<LatticeCell> cells_in_dispute(const Field& field, const TriangleMesh
   parallel_for(
       slabs.size(),
       [&](std::size_t s) {
-        SampledField part = part_of(lattice, read[s]);
+        SampledField part = lattice;
+        restrict_to(read[s], part);
         for (LatticeCell cell : points_in_dispute(field, mesh, numbers, near[s], limit, part)) {
           for (int a = 0; a < 3; ++a) cell[a] += read[s].first[a];
           if (has(slabs[s], cell)) found[s].push_back(cell);

@@ -58,10 +58,7 @@ TEST(WindingNumbers, OfBlocksAreThoseOfTheWholeLattice) {
   const WindingNumbers numbers(mesh.position, mesh.triangles, lattice, blocks);
   for (const auto& [first, last] : blocks) {
     SampledField part = lattice;
-    part.first_column = first[0];
-    part.first_row = first[1];
-    part.first_plane = first[2];
-    for (int a = 0; a < 3; ++a) part.dims[a] = last[a] - first[a] + 1;
+    restrict_to({first, last}, part);
     const std::vector<std::int8_t> winding = numbers.in(part);
     std::size_t index = 0, wrong = 0;
     for (int k = first[2]; k <= last[2]; ++k)
