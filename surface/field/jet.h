@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/types.h"
+#include "surface/field/symmetric_place.h"
 
 namespace kappaflow {
 
@@ -9,6 +10,13 @@ namespace kappaflow {
 struct ThirdDerivatives {
   double xxx = 0, xxy = 0, xxz = 0, xyy = 0, xyz = 0, xzz = 0, yyy = 0, yyz = 0, yzz = 0, zzz = 0;
 
+  /// f_abc.
+  constexpr double at(int a, int b, int c) const {
+    using T = ThirdDerivatives;
+    constexpr double T::*kPlaces[] = {&T::xxx, &T::xxy, &T::xxz, &T::xyy, &T::xyz,
+                                      &T::xzz, &T::yyy, &T::yyz, &T::yzz, &T::zzz};
+    return this->*kPlaces[symmetric_place(a, b, c)];
+  }
   /// The symmetric matrix sum_c f_abc v_c: the rate of change of the Hessian along v.
   Mat3 contract(const Vec3& v) const {
     Mat3 m;

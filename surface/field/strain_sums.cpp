@@ -8,17 +8,11 @@
 namespace kappaflow {
 namespace {
 
-/// Kronecker's delta.
-constexpr double delta(int a, int b) {
-  return a == b ? 1 : 0;
-}
-
-/// The matrix M of what is M : E = sum_ab M_ab E_ab.
+/// The symmetric matrix of entry<a, b>().
 template <class Entry>
-Mat3 matrix_of(const Entry& entry) {
+Mat3 symmetric_matrix(const Entry& entry) {
   Mat3 M;
-  for (int a = 0; a < 3; ++a)
-    for (int b = 0; b < 3; ++b) M(a, b) = entry(a, b);
+  for_pairs_of_axes([&]<int a, int b>() { M(a, b) = M(b, a) = entry.template operator()<a, b>(); });
   return M;
 }
 
@@ -39,18 +33,19 @@ StrainResponse StrainSums::response(const Jet& jet) const {
   const Vec3& g = jet.g;
   const Mat3 B = jet.A - s1 * Mat3::Identity();
   StrainResponse R;
-  R.f = matrix_of([&](int a, int b) { return dd[symmetric_place(a, b)]; });
-  for (int c = 0; c < 3; ++c)
-    R.g[c] = matrix_of([&](int a, int b) {
-      return ddd[symmetric_place(a, b, c)] + delta(a, c) * g[b] + delta(b, c) * g[a];
-    });
-  for (int c = 0; c < 3; ++c)
-    for (int e = c; e < 3; ++e)
-      R.A[symmetric_place(c, e)] = matrix_of([&](int a, int b) {
-        return dddd[symmetric_place(a, b, c, e)] + delta(c, e) * B(a, b) +  //
-               delta(b, e) * B(c, a) + delta(a, e) * B(c, b) + delta(c, a) * B(b, e) + delta(c, b) * B(a, e) +
-               s1 * (delta(a, c) * delta(b, e) + delta(b, c) * delta(a, e));
+  R.f = symmetric_matrix([&]<int a, int b>() { return dd[symmetric_place(a, b)]; });
+  for_pairs_of_axes([&]<int c, int e>() {
+    if constexpr (c == e)
+      R.g[c] = symmetric_matrix([&]<int a, int b>() {
+        return ddd[symmetric_place(a, b, c)] + (a == c ? g[b] : 0) + (b == c ? g[a] : 0);
       });
+    R.A[symmetric_place(c, e)] = symmetric_matrix([&]<int a, int b>() {
+      constexpr int kOfFirst = (a == c && b == e) + (b == c && a == e);
+      return dddd[symmetric_place(a, b, c, e)] + (c == e ? B(a, b) : 0) +  //
+             (b == e ? B(c, a) : 0) + (a == e ? B(c, b) : 0) + (c == a ? B(b, e) : 0) +
+             (c == b ? B(a, e) : 0) + kOfFirst * s1;
+    });
+  });
   return R;
 }
 

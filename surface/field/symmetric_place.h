@@ -12,4 +12,16 @@ constexpr int symmetric_place(Axis... axes) {
   return not_x * (not_x + 1) / 2 + z;
 }
 
+/// Calls visit.operator()<a, b>() for the six pairs of axes xx xy xz yy yz zz, so that loops over components
+/// become straight code.
+template <class Visit>
+constexpr void for_pairs_of_axes(const Visit& visit) {
+  visit.template operator()<0, 0>();
+  visit.template operator()<0, 1>();
+  visit.template operator()<0, 2>();
+  visit.template operator()<1, 1>();
+  visit.template operator()<1, 2>();
+  visit.template operator()<2, 2>();
+}
+
 }  // namespace kappaflow

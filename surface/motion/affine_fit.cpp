@@ -17,15 +17,6 @@ constexpr double kLargestRows = 30;     // [1] rows of the Hessian beyond this s
 // motion.
 constexpr double kTranslationDamping = 3e-5, kRotationDamping = 3e-4, kStrainDamping = 3e-2;
 
-/// Coefficients of G of the row (i, k) of G^T A + A G - R'', in the order G_00, G_01, ...
-Eigen::Matrix<double, 9, 1> gradient_coefficients(const Mat3& A, const Mat3& response, int i, int k) {
-  Eigen::Matrix<double, 9, 1> c;
-  for (int a = 0; a < 3; ++a)
-    for (int b = 0; b < 3; ++b)
-      c[3 * a + b] = (b == k ? A(a, i) : 0) + (b == i ? A(a, k) : 0) - response(a, b);
-  return c;
-}
-
 /// n . u - R(E)/|g| = n . v_n.
 void set_normal_row(const Jet& jet, const StrainResponse& strain, const Vec3& normal_velocity,
                     MotionRows& rows) {
@@ -41,19 +32,25 @@ void set_normal_row(const Jet& jet, const StrainResponse& strain, const Vec3& no
 /// s^2/S^2) with s = L^2 |C|/|g| and S = kLargestRows.
 void set_hessian_rows(const Jet& jet, const StrainResponse& strain, MotionRows& rows) {
   const double g = jet.g.norm(), L = jet.length_scale, scale = L * L / g;
-  const std::array<Mat3, 3> C{jet.C.contract(Vec3::UnitX()), jet.C.contract(Vec3::UnitY()),
-                              jet.C.contract(Vec3::UnitZ())};
-  const double size2 = scale * scale * (C[0].squaredNorm() + C[1].squaredNorm() + C[2].squaredNorm());
+  double square = 0;  // of the third derivatives
+  for_pairs_of_axes([&]<int i, int k>() {
+    for (int a = 0; a < 3; ++a) square += (i == k ? 1 : 2) * std::pow(jet.C.at(a, i, k), 2);
+  });
+  const double size2 = scale * scale * square;
   const double weight = std::sqrt(kHessianWeight / (1 + size2 / (kLargestRows * kLargestRows)));
-  for (int i = 0; i < 3; ++i)
-    for (int k = i; k < 3; ++k) {
-      const int m = symmetric_place(i, k);
-      const double factor = weight * scale * (i == k ? 1 : std::sqrt(2.0));  // as in the Frobenius norm
-      auto row = rows.col(1 + m);
-      row.head<3>() = factor * Vec3(C[0](i, k), C[1](i, k), C[2](i, k));
-      row.segment<9>(3) = factor * gradient_coefficients(jet.A, strain.A[m], i, k);
-      row[12] = -factor * jet.A_t(i, k);
+  for_pairs_of_axes([&]<int i, int k>() {
+    constexpr int m = symmetric_place(i, k);
+    const double factor = weight * scale * (i == k ? 1 : std::sqrt(2.0));  // as in the Frobenius norm
+    double* const row = rows.col(1 + m).data();
+    for (int a = 0; a < 3; ++a) {
+      row[a] = factor * jet.C.at(a, i, k);
+      for (int b = 0; b < 3; ++b) {
+        const double carried = (b == k ? jet.A(a, i) : 0) + (b == i ? jet.A(a, k) : 0);
+        row[3 + 3 * a + b] = factor * (carried - strain.A[m](a, b));
+      }
     }
+    row[12] = -factor * jet.A_t(i, k);
+  });
 }
 
 using Mat9 = Eigen::Matrix<double, 9, 9>;
@@ -118,23 +115,27 @@ MotionRows motion_rows(const Jet& jet, const StrainResponse& strain, const Vec3&
 }
 
 void RowSums::add(const MotionRows& rows, const Vec3& d, double w) {
-  constexpr int kRows = MotionRows::ColsAtCompileTime, kHalf = kSize / 2;
-  Eigen::Array<double, kSize, kRows> moved = Eigen::Array<double, kSize, kRows>::Zero();
-  moved.topRows<MotionRows::RowsAtCompileTime>() = rows;
-  for (int row = 0; row < kRows; ++row)
-    for (int j = 0; j < 9; ++j) moved(3 + j, row) += rows(j / 3, row) * d[j % 3];
-  for (int j = 0; j < kHalf; ++j) {
-    Eigen::Array<double, kSize, 1> sum = products_.col(j);
-    for (int row = 0; row < kRows; ++row) sum += w * moved(j, row) * moved.col(row);
-    products_.col(j) = sum;
+  constexpr int kRows = MotionRows::ColsAtCompileTime;
+  Eigen::Array<double, kUnknowns, 3> arm = Eigen::Array<double, kUnknowns, 3>::Zero();
+  for (int p = 0; p < 3; ++p) arm.col(p).segment<3>(3 + 3 * p) = d;
+  Eigen::Array<double, kUnknowns, kRows> moved, weighted;
+  for (int row = 0; row < kRows; ++row) {
+    Eigen::Array<double, kUnknowns, 1> column = rows.col(row).head<kUnknowns>();
+    for (int p = 0; p < 3; ++p) column += rows(p, row) * arm.col(p);
+    moved.col(row) = column;
+    weighted.col(row) = w * column;
+    right_ += weighted.col(row) * rows(kUnknowns, row);
   }
-  for (int j = kHalf; j < products_.cols(); ++j) {
-    Eigen::Array<double, kHalf, 1> sum = products_.col(j).tail<kHalf>();
-    for (int row = 0; row < kRows; ++row) sum += w * moved(j, row) * moved.col(row).tail<kHalf>();
-    products_.col(j).tail<kHalf>() = sum;
-  }
+  for (int k = 0; k < kUnknowns; k += 4)
+    for (int j = k; j < kUnknowns; j += 4) {  // blocks of four by four stay in registers
+      Eigen::Array44d sum = products_.block<4, 4>(j, k);
+      for (int row = 0; row < kRows; ++row)
+        for (int column = 0; column < 4; ++column)
+          sum.col(column) += weighted(k + column, row) * moved.col(row).segment<4>(j);
+      products_.block<4, 4>(j, k) = sum;
+    }
   weight_ += w;
-  squares_ += w * rows.row(MotionRows::RowsAtCompileTime - 1).squaredNorm();
+  squares_ += w * rows.row(kUnknowns).squaredNorm();
 }
 
 MotionEquations RowSums::equations() const {
@@ -144,11 +145,11 @@ MotionEquations RowSums::equations() const {
   for (int a = 0; a < 3; ++a) {
     for (int b = a; b < 3; ++b) sum[Place::ee(a, b)] = products_(b, a);
     for (int k = 0; k < 9; ++k) sum[Place::ec(a, k)] = products_(3 + k, a);
-    sum[Place::eb(a)] = products_(12, a);
+    sum[Place::eb(a)] = right_[a];
   }
   for (int j = 0; j < 9; ++j) {
     for (int k = j; k < 9; ++k) sum[Place::cc(j, k)] = products_(3 + k, 3 + j);
-    sum[Place::cb(j)] = products_(12, 3 + j);
+    sum[Place::cb(j)] = right_[3 + j];
   }
   sum[Place::kWeight] = weight_;
   sum[Place::kSquares] = squares_;

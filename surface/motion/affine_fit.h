@@ -47,9 +47,10 @@ class RowSums {
   MotionEquations equations() const;
 
  private:
-  static constexpr int kSize = 16;  // 13 and what fills vectors of four
-  Eigen::Array<double, kSize, 12> products_ =
-      Eigen::Array<double, kSize, 12>::Zero();  // from the diagonal on
+  static constexpr int kUnknowns = 12;
+  /// Of [e | c]: from the diagonal on, in blocks of four.
+  Eigen::Array<double, kUnknowns, kUnknowns> products_ = Eigen::Array<double, kUnknowns, kUnknowns>::Zero();
+  Eigen::Array<double, kUnknowns, 1> right_ = Eigen::Array<double, kUnknowns, 1>::Zero();  // with b
   double weight_ = 0, squares_ = 0;
 };
 

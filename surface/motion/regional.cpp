@@ -21,7 +21,7 @@ constexpr double kRadiusGrowth = 1.414;  // [1] from one attempt to the next: tw
 constexpr double kDetermined = 0.05;     // [1] AffineFit::determined that a window is content with
 constexpr double kBlendRadius = 0.75;    // [length scales] within which patches' motions are blended
 constexpr double kLeastNearness = 1e-3;  // [1] of a vertex's own patch, however far its sample is
-constexpr std::size_t kPointsPerTask = 64;
+constexpr std::size_t kPointsPerTask = 64, kBlendedPatchesPerTask = 16;
 
 using WalkOfThread = tbb::enumerable_thread_specific<SampleWalk>;
 
@@ -183,7 +183,6 @@ Blend blended(const Vec3& x, int v, const LocalMotion& local, const Patches& pat
 
 void evaluate_regional(const Field& field, const SurfacePoints& points, const VelocityOptions& options,
                        VelocitySpans result) {
-  const std::size_t n = points.position.size();
   const LocalMotion local = local_motion(field, points.position, options);
   const Patches patches = patches_of(local, points);
   WalkOfThread walk;
@@ -191,17 +190,19 @@ void evaluate_regional(const Field& field, const SurfacePoints& points, const Ve
   std::ranges::fill(result.velocity, Vec3::Zero());
   std::ranges::fill(result.confidence, 0);
   parallel_for(
-      n,
-      [&](std::size_t v) {
-        if (!(local.length_scale[v] > 0)) return;
-        const Blend blend =
-            blended(points.position[v], static_cast<int>(v), local, patches, motions, walk.local());
-        const Vec3 tangential = blend.velocity - blend.velocity.dot(local.normal[v]) * local.normal[v];
-        result.velocity[v] =
-            local.normal_velocity[v] + limited(tangential, options.speed_limit * blend.fastest);
-        result.confidence[v] = confidence(blend.determined, options.damping);
+      patches.equations.size(),
+      [&](std::size_t s) {
+        SampleWalk& walk_here = walk.local();
+        for (const int v : patches.samples.patch(s)) {  // vertices of a patch look at the same samples
+          if (!(local.length_scale[v] > 0)) continue;
+          const Blend blend = blended(points.position[v], v, local, patches, motions, walk_here);
+          const Vec3 tangential = blend.velocity - blend.velocity.dot(local.normal[v]) * local.normal[v];
+          result.velocity[v] =
+              local.normal_velocity[v] + limited(tangential, options.speed_limit * blend.fastest);
+          result.confidence[v] = confidence(blend.determined, options.damping);
+        }
       },
-      kPointsPerTask);
+      kBlendedPatchesPerTask);
 }
 
 }  // namespace kappaflow
