@@ -11,6 +11,7 @@
 #include "core/errors.h"
 #include "core/parallel.h"
 #include "solver/fluid_particles.h"
+#include "solver/halo.h"
 #include "solver/viscous_pressure.h"
 
 namespace kappaflow {
@@ -240,7 +241,8 @@ void Emitters::collect_due(const Nozzle& nozzle, double layers, double way) {
   }
 }
 
-/// Makes particles of due_ where there is no liquid; returns whether any.
+/// Makes particles of due_ where there is no liquid; returns whether any. Of several ranks the first makes
+/// them, and they then go to where they belong.
 bool Emitters::add_due(FluidParticles& particles, std::size_t index, double time) {
   const Nozzle& nozzle = nozzles_[index];
   const Emitter& e = nozzle.emitter;
@@ -253,6 +255,7 @@ bool Emitters::add_due(FluidParticles& particles, std::size_t index, double time
   near_.clear();
   for (const Vec4f& p : particles.position)
     if (const Vec3 x = p.head<3>().cast<double>(); (x - mouth).norm() < reach + clearance) near_.push_back(x);
+  if (particles.halo != nullptr) near_ = particles.halo->ranks().gathered(near_);
 
   const std::size_t before = particles.size();
   for (const Vec3& rest : due_) {
@@ -261,7 +264,10 @@ bool Emitters::add_due(FluidParticles& particles, std::size_t index, double time
       continue;
     const Vec3 across = beside - beside.dot(nozzle.direction) * nozzle.direction;
     const Vec3 v = nozzle.profile.at(across) * speed * direction + moving.at(x);
-    particles.add(x, v, e.fluid, static_cast<std::uint8_t>(index + 1), e.source);
+    if (is_first_rank(particles))
+      particles.add(x, v, e.fluid, static_cast<std::uint8_t>(index + 1), e.source);
+    else
+      particles.source.push_back(e.source);
   }
   return particles.size() > before;
 }

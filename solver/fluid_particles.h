@@ -5,6 +5,7 @@
 #include <immintrin.h>
 #endif
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -13,6 +14,8 @@
 #include "core/types.h"
 
 namespace kappaflow {
+
+class Halo;
 
 /// Columns of a 3x3 matrix, each padded to one register; times a 3-vector it gives a padded vector.
 using Mat43f = Eigen::Matrix<float, 4, 3>;
@@ -51,8 +54,8 @@ inline Vec4f padded(const Vec3& v) {
   return {f.x(), f.y(), f.z(), 0};
 }
 
-/// All arrays but `source` and `mass_of_fluid` have one entry a particle. Every particle has the same rest
-/// volume spacing^3.
+/// All arrays but `source` and `mass_of_fluid` have one entry a particle; where ranks share the liquid
+/// (halo.h) some have the ghosts' entries behind them. Every particle has the same rest volume spacing^3.
 struct FluidParticles {
   // The state: carried from step to step, permuted when the particles are sorted.
   std::vector<std::uint32_t> id;
@@ -91,6 +94,8 @@ struct FluidParticles {
   std::array<std::vector<Vec4f>, 3> scratch;
   std::vector<float> scalar_scratch;
 
+  Halo* halo = nullptr;  ///< where ranks share the liquid
+
   std::size_t size() const { return id.size(); }
   bool masses_differ() const { return !mass_of_fluid.empty(); }
   /// Of a particle over that of fluid 0's [1].
@@ -101,6 +106,22 @@ struct FluidParticles {
   void serialize(Archive& archive) {
     archive(id, position, velocity, viscous_velocity, viscous_acceleration, density_pressure,
             divergence_pressure, least_pressure, fluid, led_by, temperature, source);
+  }
+
+  /// Calls visit(member) for the arrays of the state that have one entry a particle.
+  template <class Visit>
+  static void for_state(bool heat, const Visit& visit) {
+    const auto each = [&](auto... members) { (visit(members), ...); };
+    using P = FluidParticles;
+    each(&P::id, &P::position, &P::velocity, &P::viscous_velocity, &P::viscous_acceleration,
+         &P::density_pressure, &P::divergence_pressure, &P::least_pressure, &P::fluid, &P::led_by);
+    if (heat) visit(&P::temperature);
+  }
+
+  /// To be called before particles move, come or go.
+  void drop_ghosts() {
+    const auto cut = [this](auto&... arrays) { (arrays.resize(std::min(arrays.size(), size())), ...); };
+    cut(position, velocity, viscous_velocity, fluid, led_by, temperature);
   }
 
   /// Leaves the particles of these indices, which ascend, and takes the others away. What follows from the

@@ -14,6 +14,8 @@
 
 namespace kappaflow {
 
+class Ranks;
+
 /// Wall time of the phases of a step [s].
 struct SolverSeconds {
   double forces = 0;  ///< gravity, surface tension and the last step's pressure; and heat
@@ -58,11 +60,12 @@ class FluidSolver {
   /// of the caller's that stay with the particles; empty: all 0. temperature: absolute, where there is heat
   /// [K]; empty: that of HeatOptions. bodies: rigid ones that liquid moves; a body may touch walls and other
   /// bodies, and should not begin in them. Throws InvalidInput for options out of range, particles inside a
-  /// wall or a body, or when there is no particle at t = 0.
+  /// wall or a body, or when there is no particle at t = 0. ranks: the processes that share the liquid, each
+  /// of which makes a solver of the same arguments; there are no bodies then.
   FluidSolver(const FluidOptions& options, std::span<const Vec3> position, std::span<const Vec3> velocity,
               std::span<const SolidWall> walls, std::span<const std::uint8_t> fluid = {},
               std::span<const int> source = {}, std::span<const double> temperature = {},
-              std::span<const RigidBody> bodies = {});
+              std::span<const RigidBody> bodies = {}, Ranks* ranks = nullptr);
   ~FluidSolver();
   FluidSolver(FluidSolver&&) noexcept;
   FluidSolver& operator=(FluidSolver&&) noexcept;
@@ -73,6 +76,10 @@ class FluidSolver {
   /// particle by ten spacings. After an exception particles() and the like say where it failed, but the
   /// solver can go no further.
   FluidStep step(double time_left);
+
+  /// Of ranks above 0, which nothing else is asked of: does with the first rank what that is asked to do,
+  /// until it says that there is nothing more.
+  void follow();
 
   double time() const;        ///< [s]
   std::size_t steps() const;  ///< since t = 0

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/parallel.h"
+#include "solver/halo.h"
 
 namespace kappaflow {
 namespace {
@@ -125,9 +126,10 @@ void HeatSolver::set_up(const FluidParticles& particles, const NeighbourLists& l
 HeatSolve HeatSolver::iterate(const FluidParticles& particles, const NeighbourLists& lists,
                               double time_step) {
   const std::size_t n = particles.size();
+  const auto most = [&](const auto& value) { return max_of_ranks(particles, parallel_max(n, 0.0, value)); };
+  const auto sum = [&](const auto& value) { return sum_of_ranks(particles, parallel_sum(n, 0.0, value)); };
   const auto largest = [&](const std::vector<double>& heat) {
-    return parallel_max(n, 0.0,
-                        [&](std::size_t i) { return std::abs(heat[i]) / capacity_[particles.fluid[i]]; });
+    return most([&](std::size_t i) { return std::abs(heat[i]) / capacity_[particles.fluid[i]]; });
   };
   parallel_for(n, [&](std::size_t i) {
     change_[i] = direction_[i] = 0;
@@ -139,14 +141,16 @@ HeatSolve HeatSolver::iterate(const FluidParticles& particles, const NeighbourLi
   double energy = 0;
   do {
     const double last = energy;
-    energy = parallel_sum(n, 0.0, [&](std::size_t i) { return residual_[i] * residual_[i] / diagonal_[i]; });
+    energy = sum([&](std::size_t i) { return residual_[i] * residual_[i] / diagonal_[i]; });
     const double factor = last > 0 ? energy / last : 0;
     parallel_for(
         n, [&](std::size_t i) { direction_[i] = residual_[i] / diagonal_[i] + factor * direction_[i]; });
-    const double curvature = parallel_sum(n, 0.0, [&](std::size_t i) {
-      double sum = 0;
-      for_pairs(i, particles, lists, [&](std::size_t j, double weight) { sum += weight * direction_[j]; });
-      image_[i] = diagonal_[i] * direction_[i] - time_step * sum;
+    fill_ghosts(particles, direction_);
+    const double curvature = sum([&](std::size_t i) {
+      double of_pairs = 0;
+      for_pairs(i, particles, lists,
+                [&](std::size_t j, double weight) { of_pairs += weight * direction_[j]; });
+      image_[i] = diagonal_[i] * direction_[i] - time_step * of_pairs;
       return direction_[i] * image_[i];
     });
     const double length = energy / curvature;
@@ -154,7 +158,7 @@ HeatSolve HeatSolver::iterate(const FluidParticles& particles, const NeighbourLi
       change_[i] += length * direction_[i];
       residual_[i] -= length * image_[i];
     });
-    const double changed = parallel_max(n, 0.0, [&](std::size_t i) { return std::abs(change_[i]); });
+    const double changed = most([&](std::size_t i) { return std::abs(change_[i]); });
     result.error = largest(residual_) / (kTolerance * std::min(first, changed));
   } while (++result.iterations < kMostIterations && result.error > 1);
   return result;
@@ -165,6 +169,7 @@ void HeatSolver::exchange(FluidParticles& particles, const NeighbourLists& lists
   const std::size_t n = particles.size();
   std::vector<double>&after = direction_, &given = residual_, &lost = image_;
   parallel_for(n, [&](std::size_t i) { after[i] = particles.temperature[i] + change_[i]; });
+  fill_ghosts(particles, after);
   parallel_for(n, [&](std::size_t i) {
     double flow = 0;
     for_pairs(i, particles, lists,
@@ -174,12 +179,14 @@ void HeatSolver::exchange(FluidParticles& particles, const NeighbourLists& lists
     change_[i] = time_step * (flow + given[i] - lost[i]) / capacity_[particles.fluid[i]];
   });
   parallel_for(n, [&](std::size_t i) { particles.temperature[i] += change_[i]; });
-  result.sound = parallel_max(n, 0, [&](std::size_t i) {
-                   const double t = particles.temperature[i];
-                   return t > 0 && std::isfinite(t) ? 0 : 1;
-                 }) == 0;
+  const int unsound = parallel_max(n, 0, [&](std::size_t i) {
+    const double t = particles.temperature[i];
+    return t > 0 && std::isfinite(t) ? 0 : 1;
+  });
+  result.sound = max_of_ranks(particles, unsound) == 0;
   const auto total = [&](const std::vector<double>& power) {
-    return volume_ * time_step * parallel_sum(n, 0.0, [&](std::size_t i) { return power[i]; });
+    const double own = parallel_sum(n, 0.0, [&](std::size_t i) { return power[i]; });
+    return volume_ * time_step * sum_of_ranks(particles, own);
   };
   result.from_walls = total(given);
   result.from_air = -total(lost);
@@ -189,6 +196,7 @@ HeatSolve HeatSolver::solve(FluidParticles& particles, const NeighbourLists& lis
                             float time_step) {
   if (!needed()) return {};
   const double dt = static_cast<double>(time_step);
+  fill_ghosts(particles, particles.temperature);
   set_up(particles, lists, walls, dt);
   HeatSolve result = iterate(particles, lists, dt);
   exchange(particles, lists, walls, dt, result);

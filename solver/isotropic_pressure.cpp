@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/parallel.h"
+#include "solver/halo.h"
 #include "solver/lanes.h"
 
 namespace kappaflow {
@@ -123,6 +124,7 @@ void IsotropicPressure::apply(FluidParticles& particles, const NeighbourLists& l
   parallel_for(particles.size(), [&](std::size_t i) {
     particles.position[i][3] = particles.density_pressure[i] + particles.divergence_pressure[i];
   });
+  fill_kappa_of_ghosts(particles);
   parallel_for(particles.size(), [&](std::size_t i) {
     diagonal[i].setZero();
     other[i].setZero();
@@ -136,6 +138,8 @@ void IsotropicPressure::apply(FluidParticles& particles, const NeighbourLists& l
     diagonal[i] = kappa * unlike.diagonal;
     other[i] = kappa * unlike.other;
   });
+  fill_ghosts(particles, diagonal);
+  fill_ghosts(particles, other);
   parallel_for(particles.size(), [&](std::size_t i) {
     if (particles.led_by[i] != 0) return;
     particles.velocity[i] += time_step / particles.mass(i) * force(i, particles, lists, diagonal, other);

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/parallel.h"
+#include "solver/halo.h"
 #include "solver/lanes.h"
 
 namespace kappaflow {
@@ -30,7 +31,8 @@ NeighbourSearch::NeighbourSearch(float spacing)
 
 /// Lists the particles within the support of the box around the particles [begin, end) of a cell.
 void NeighbourSearch::Scratch::collect(const CellGrid& grid, std::size_t begin, std::size_t end,
-                                       std::span<const Vec4f> position, float support) {
+                                       const FluidParticles& particles, float support) {
+  const std::vector<Vec4f>& position = particles.position;
   constexpr float kBoundless = std::numeric_limits<float>::infinity();
   Vec4f lower = position[begin], upper = lower;
   for (std::size_t i = begin + 1; i < end; ++i) {
@@ -39,7 +41,7 @@ void NeighbourSearch::Scratch::collect(const CellGrid& grid, std::size_t begin, 
   }
   lower[3] = -kBoundless, upper[3] = kBoundless;  // the fourth component is no coordinate
   std::size_t count = 0;
-  grid.ranges_around(grid.cell_at(begin), [&](std::uint32_t first, std::uint32_t last) {
+  const auto add = [&](std::uint32_t first, std::uint32_t last) {
     const std::size_t room = count + (last - first) + kWide;
     if (candidate.size() < room) {
       for (auto* axis : {&x, &y, &z}) axis->resize(2 * room);
@@ -61,7 +63,15 @@ void NeighbourSearch::Scratch::collect(const CellGrid& grid, std::size_t begin, 
       const Vec4f outside = (lower - p).cwiseMax(p - upper).cwiseMax(0.0f);
       count += outside.squaredNorm() < support * support;
     }
-  });
+  };
+  grid.ranges_around(grid.cell_at(begin), add);
+  if (particles.halo != nullptr) {  // behind the others, so that the candidates ascend
+    const auto own = static_cast<std::uint32_t>(particles.size());
+    const float reach = 0.5f * (upper - lower).head<3>().maxCoeff() + 1.01f * support;
+    particles.halo->ghosts().ranges_near(
+        Vec4f(0.5f * (lower + upper)), static_cast<double>(reach),
+        [&](std::uint32_t first, std::uint32_t last) { add(own + first, own + last); });
+  }
   candidates = (count + kWide - 1) / kWide * kWide;
   for (; count < candidates; ++count) x[count] = y[count] = z[count] = kBoundless;
 }
@@ -156,7 +166,7 @@ void NeighbourSearch::find_in_chunk(std::size_t chunk, const FluidParticles& par
   for (std::size_t i = begin, in_cell = begin; i < end; ++i) {
     if (i == in_cell) {
       while (in_cell < end && grid_.cell_at(in_cell) == grid_.cell_at(i)) ++in_cell;
-      scratch.collect(grid_, i, in_cell, particles.position, kernel_.support());
+      scratch.collect(grid_, i, in_cell, particles, kernel_.support());
     }
     scratch.append_row(static_cast<std::uint32_t>(i), particles.position[i], kernel_.support());
   }

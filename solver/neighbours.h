@@ -89,7 +89,7 @@ class NeighbourSearch {
     std::vector<std::uint32_t> row;  // one, before it is cut
     std::vector<float> row_square;
 
-    void collect(const CellGrid& grid, std::size_t begin, std::size_t end, std::span<const Vec4f> position,
+    void collect(const CellGrid& grid, std::size_t begin, std::size_t end, const FluidParticles& particles,
                  float support);
     void append_row(std::uint32_t i, const Vec4f& xi, float support);
     void pad_row(std::size_t begin, std::size_t end, float support);

@@ -8,6 +8,7 @@
 #include "core/errors.h"
 #include "core/parallel.h"
 #include "solver/fluid_particles.h"
+#include "solver/halo.h"
 
 namespace kappaflow {
 namespace {
@@ -67,11 +68,14 @@ void Outflows::take(FluidParticles& particles) {
     region_of_[i] = static_cast<std::uint8_t>(found - regions_.begin());
   });
   kept_.clear();
+  taken_.clear();
   for (std::size_t i = 0; i < particles.size(); ++i)
     if (region_of_[i] == regions_.size())
       kept_.push_back(static_cast<std::uint32_t>(i));
     else
-      particles.source[particles.id[i]] = region_of_[i];
+      taken_.push_back({particles.id[i], region_of_[i]});
+  if (particles.halo != nullptr) taken_ = particles.halo->ranks().gathered(taken_);
+  for (const Taken& one : taken_) particles.source[one.id] = one.region;
   if (kept_.size() < particles.size()) particles.keep(kept_);
 }
 

@@ -30,9 +30,15 @@ class Outflows {
   std::vector<std::size_t> taken(const FluidParticles& particles) const;
 
  private:
+  struct Taken {
+    std::uint32_t id;
+    std::int32_t region;
+  };
+
   std::vector<Outflow> regions_;
   std::vector<std::uint8_t> region_of_;  // of a particle; as many as there are regions: none
   std::vector<std::uint32_t> kept_;
+  std::vector<Taken> taken_;  // in this step, by any rank
 };
 
 }  // namespace kappaflow

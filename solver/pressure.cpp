@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/parallel.h"
+#include "solver/halo.h"
 #include "solver/lanes.h"
 
 namespace kappaflow {
@@ -36,8 +37,10 @@ std::vector<Vec4f>& iterates(FluidParticles& particles) {
 
 void accelerate_by_pressure(FluidParticles& particles, const NeighbourLists& lists, const Coupling& bodies) {
   auto& acceleration = accelerations(particles);
+  fill_kappa_of_ghosts(particles);
   parallel_for(particles.size(),
                [&](std::size_t i) { acceleration[i] = pressure_acceleration(i, particles, lists); });
+  fill_ghosts(particles, acceleration);
   bodies.find_push(particles);
 }
 
@@ -48,18 +51,17 @@ float fit_scale(FluidParticles& particles, float square_step, const Coupling& bo
   auto& acceleration = accelerations(particles);
   const auto& source = sources(particles);
   const std::size_t n = particles.size();
-  const double square =
-      parallel_sum<double>(n, 0,
-                           [&](std::size_t i) {
-                             return static_cast<double>(particles.mass(i) * acceleration[i].squaredNorm());
-                           }) +
-      bodies.push_square();
+  const double of_liquid = parallel_sum<double>(n, 0, [&](std::size_t i) {
+    return static_cast<double>(particles.mass(i) * acceleration[i].squaredNorm());
+  });
+  const double square = sum_of_ranks(particles, of_liquid) + bodies.push_square();
   if (!(square > 0)) return 1;
-  const double needed = parallel_sum<double>(n, 0, [&](std::size_t i) {
+  const double own_needed = parallel_sum<double>(n, 0, [&](std::size_t i) {
     return static_cast<double>(particles.position[i][3]) * static_cast<double>(source[i]);
   });
+  const double needed = sum_of_ranks(particles, own_needed);
   const float scale = static_cast<float>(std::max(0.0, needed / (static_cast<double>(square_step) * square)));
-  parallel_for(n, [&](std::size_t i) {
+  parallel_for(acceleration.size(), [&](std::size_t i) {  // the ghosts' too
     particles.position[i][3] *= scale;
     acceleration[i] *= scale;
   });
@@ -113,6 +115,7 @@ void find_sources(FluidParticles& particles, const NeighbourLists& lists, const 
   auto& iterate = iterates(particles);
   source.resize(particles.size());
   iterate.resize(particles.size());
+  fill_ghosts(particles, particles.velocity);
   parallel_for(particles.size(), [&](std::size_t i) {
     const auto [rate, first] = both_rates(i, particles, lists, particles.velocity, accelerations(particles));
     source[i] = base(i, rate, first) + time_step * (rate + walls.density_rate(i));
@@ -215,13 +218,11 @@ PressureSolve PressureSolver::move_apart(FluidParticles& particles, const Neighb
   const std::size_t n = particles.size();
   auto& acceleration = accelerations(particles);
   auto& source = sources(particles);
-  acceleration.assign(n, Vec4f::Zero());
+  acceleration.assign(particles.position.size(), Vec4f::Zero());
   source.resize(n);
   iterates(particles).assign(n, Vec4f::Zero());
-  parallel_for(n, [&](std::size_t i) {
-    particles.position[i][3] = 0;
-    source[i] = particles.density[i] - 1;
-  });
+  parallel_for(particles.position.size(), [&](std::size_t i) { particles.position[i][3] = 0; });
+  parallel_for(n, [&](std::size_t i) { source[i] = particles.density[i] - 1; });
   const PressureSolve done = solve(particles, lists, 1, tolerance, kMinIterations, {}, {});
   parallel_for(n, [&](std::size_t i) { particles.position[i] += acceleration[i]; });
   return done;
@@ -234,7 +235,7 @@ PressureSolver::Progress PressureSolver::iterate(FluidParticles& particles, cons
   const auto& acceleration = accelerations(particles);
   const auto& source = sources(particles);
   auto& iterate = iterates(particles);
-  return parallel_sum(particles.size(), Progress(), [&](std::size_t i) {
+  const Progress own = parallel_sum(particles.size(), Progress(), [&](std::size_t i) {
     const float diagonal = square_step * (particles.gradient_sum[i].squaredNorm() / particles.mass(i) +
                                           particles.gradient_square_sum[i] + bodies.push_diagonal(i));
     const float kappa = particles.position[i][3], bound = bound_of(least, i);
@@ -252,13 +253,14 @@ PressureSolver::Progress PressureSolver::iterate(FluidParticles& particles, cons
                     (kappa - proposed) * diagonal * (proposed - last[kAccepted]), move * diagonal * move,
                     move * (last[kSeenViolation] - violation), violation};
   });
+  return sum_of_ranks(particles, own);
 }
 
 PressureSolve PressureSolver::solve(FluidParticles& particles, const NeighbourLists& lists, float time_step,
                                     double tolerance, int min_iterations, std::span<const float> least,
                                     const Coupling& bodies) {
-  const std::size_t n = particles.size();
-  if (n == 0) return {};  // all of it has flowed out
+  const std::size_t n = particles.size(), total = total_size(particles);
+  if (total == 0) return {};  // all of it has flowed out
   const float square_step = time_step * time_step;
   auto& iterate_of = iterates(particles);
   const float scale = least.empty() ? fit_scale(particles, square_step, bodies) : 1;
@@ -270,7 +272,7 @@ PressureSolve PressureSolver::solve(FluidParticles& particles, const NeighbourLi
   for (int iterations = 0;; ++iterations) {
     const Progress progress =
         iterate(particles, lists, square_step, 1 / curvature, least, bodies, iterations == 0);
-    const double mean_error = progress.error / static_cast<double>(n);
+    const double mean_error = progress.error / static_cast<double>(total);
     const bool converged = mean_error <= tolerance && progress.max_error <= kMaxCompression;
     if ((converged && iterations >= min_iterations) || iterations == max_iterations_) {
       if (least.empty()) fit_scale(particles, square_step, bodies);

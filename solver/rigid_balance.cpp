@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "core/parallel.h"
+#include "solver/halo.h"
 
 namespace kappaflow {
 namespace {
@@ -120,6 +121,20 @@ void for_components(std::span<const std::uint32_t> order, std::span<const std::u
   }
 }
 
+/// Each component's balance of the particles of all ranks; few components reach over more than one.
+void sum_over_ranks(std::vector<Balance>& balances, Ranks& ranks) {
+  struct Part {
+    std::size_t component;
+    Balance balance;
+  };
+  std::vector<Part> parts;
+  for (std::size_t k = 0; k < balances.size(); ++k)
+    if (balances[k].mass > 0) parts.push_back({k, balances[k]});
+  std::ranges::fill(balances, Balance());
+  for (const Part& part : ranks.gathered(parts))
+    balances[part.component] = balances[part.component] + part.balance;
+}
+
 }  // namespace
 
 /// Liquid that touches the same body becomes one component.
@@ -162,6 +177,8 @@ void MomentumBalance::restore(const RigidMultigrid& multigrid, const ViscousForc
   order_.resize(component_.size());
   std::iota(order_.begin(), order_.end(), 0u);
   std::ranges::sort(order_, {}, [this](std::uint32_t cell) { return std::pair(component_[cell], cell); });
+  if (multigrid.any_led()) fill_ghosts(particles, v);
+  std::vector<Balance> balances;
   for_components(order_, component_, [&](std::span<const std::uint32_t> cells) {
     const Vec3 centre = in_double(multigrid.finest().centre[cells.front()]);
     const auto arm = [&](std::size_t i) -> Vec3 { return in_double(particles.position[i]) - centre; };
@@ -173,7 +190,14 @@ void MomentumBalance::restore(const RigidMultigrid& multigrid, const ViscousForc
       });
       return sum;
     };
-    Balance balance = parallel_sum(cells.size(), Balance(), balance_of, kBalanceGrain);
+    balances.push_back(parallel_sum(cells.size(), Balance(), balance_of, kBalanceGrain));
+  });
+  if (particles.halo != nullptr) sum_over_ranks(balances, particles.halo->ranks());
+  std::size_t next = 0;
+  for_components(order_, component_, [&](std::span<const std::uint32_t> cells) {
+    const Vec3 centre = in_double(multigrid.finest().centre[cells.front()]);
+    const auto arm = [&](std::size_t i) -> Vec3 { return in_double(particles.position[i]) - centre; };
+    Balance& balance = balances[next++];
     for (std::size_t b = 0; b < bodies.bodies(); ++b)
       if (component_of_body_[b] == component_[cells.front()])
         balance.resistance -= bodies.yielding(b, centre);

@@ -7,6 +7,8 @@
 #include <cstring>
 #include <utility>
 
+#include "solver/halo.h"
+
 namespace kappaflow {
 namespace {
 
@@ -74,7 +76,7 @@ class RigidMultigrid::CellSums {
         inverse_width_(1 / static_cast<float>(kCellWidth * grid.spacing_)),
         cell_(cell) {
     const auto place = RigidLevel::place_of(grid.finest().key[cell]);
-    for (std::size_t a = 0; a < 3; ++a) place_[a] = static_cast<float>(place[a]);
+    for (std::size_t a = 0; a < 3; ++a) place_[a] = static_cast<float>(place[a] + grid.first_place_[a]);
   }
 
   /// Returns (L v)_i.
@@ -223,8 +225,9 @@ void RigidMultigrid::CellSums::finish() const {
     // Beyond on the axes where the other cell has another place, and on that side.
     std::size_t octant = 0, above = 0;
     for (std::size_t a = 0; a < 3; ++a) {
-      octant |= static_cast<std::size_t>(static_cast<float>(other[a]) != place_[a]) << a;
-      above |= static_cast<std::size_t>(static_cast<float>(other[a]) > place_[a]) << a;
+      const float along = static_cast<float>(other[a] + grid_.first_place_[a]);
+      octant |= static_cast<std::size_t>(along != place_[a]) << a;
+      above |= static_cast<std::size_t>(along > place_[a]) << a;
     }
     for (std::size_t side = 0; side < 8; ++side)
       if ((side & octant) == above) sum += rigid::matrix_in(sums_[side], static_cast<int>(octant));
@@ -252,18 +255,28 @@ SymmetricMatrix RigidMultigrid::CellSums::inverse_of(float mass, const Symmetric
 void RigidMultigrid::build(const ViscousForces& forces, const FluidParticles& particles,
                            const NeighbourLists& lists, const WallSums& walls, float time_step,
                            const std::vector<Vec4f>& v, std::vector<Vec4f>& resistance) {
+  if (particles.halo != nullptr && !shared_) shared_.emplace(particles.halo->ranks());
+  find_corner(particles);
   find_runs(forces, particles);
   find_cells();
   inverse_diagonal_.resize(particles.size());
   if (!weak_) levels_.front().make_room();
-  for_cells([&](std::size_t cell) { find_centre(particles, cell); });
   for_cells([&](std::size_t cell) {
+    if (is_own(cell)) find_centre(particles, cell);
+  });
+  if (shared_) shared_->complete(levels_.front().centre);
+  for_cells([&](std::size_t cell) {
+    if (!is_own(cell)) return;
     CellSums sums(*this, cell, forces, particles, lists, walls, time_step);
     for_particles(cell, [&](std::size_t i) { resistance[i] = sums.add(i, v); });
     if (!weak_) sums.finish();
   });
   depth_ = 0;
   if (weak_) return;
+  if (shared_) {
+    shared_->complete(levels_.front().anchor);
+    shared_->complete_links(levels_.front().coupling, finest().first_link);
+  }
   for (depth_ = 1;; ++depth_) {
     if (levels_.size() == depth_) levels_.emplace_back();
     if (!levels_[depth_].coarsen(levels_[depth_ - 1])) break;
@@ -282,11 +295,28 @@ void RigidMultigrid::find_weak(const ViscousForces& forces, float time_step) {
   any_weak_ = weak > 0 && !weak_;
 }
 
+/// Where ranks share the liquid, cells are those by which it is cut, of a lattice that has no corner.
+void RigidMultigrid::find_corner(const FluidParticles& particles) {
+  const std::size_t n = particles.size();
+  if (!shared_) {
+    lower_ = parallel_reduce(
+        n, Vec4f(particles.position.front()), [&](std::size_t i) -> Vec4f { return particles.position[i]; },
+        [](const Vec4f& a, const Vec4f& b) -> Vec4f { return a.cwiseMin(b); });
+    return;
+  }
+  using Place = LiquidCut::Place;
+  Place last;
+  last.fill(LiquidCut::kLargestPlace);
+  const auto least = [](const Place& a, const Place& b) -> Place {
+    return {std::min(a[0], b[0]), std::min(a[1], b[1]), std::min(a[2], b[2])};
+  };
+  const Place own = parallel_reduce(
+      n, last, [&](std::size_t i) { return particles.halo->cut().place_of(particles.position[i]); }, least);
+  first_place_ = shared_->ranks().combined(own, least);
+}
+
 void RigidMultigrid::find_runs(const ViscousForces& forces, const FluidParticles& particles) {
   const std::size_t n = particles.size();
-  lower_ = parallel_reduce(
-      n, Vec4f(particles.position.front()), [&](std::size_t i) -> Vec4f { return particles.position[i]; },
-      [](const Vec4f& a, const Vec4f& b) -> Vec4f { return a.cwiseMin(b); });
   const float width = static_cast<float>(kCellWidth * spacing_);
   runs_.clear();
   any_led_ = false;
@@ -296,9 +326,13 @@ void RigidMultigrid::find_runs(const ViscousForces& forces, const FluidParticles
     const bool was_in_run = std::exchange(in_run, forces.act_on(i, particles));
     if (!in_run) continue;
     std::array<std::int64_t, 3> place;
-    for (int a = 0; a < 3; ++a)
-      place[static_cast<std::size_t>(a)] =
-          static_cast<std::int64_t>(cell_along(particles.position[i][a], lower_[a], width));
+    if (shared_) place = particles.halo->cut().place_of(particles.position[i]);
+    for (std::size_t a = 0; a < 3; ++a)
+      if (shared_)
+        place[a] -= first_place_[a];
+      else
+        place[a] = static_cast<std::int64_t>(
+            cell_along(particles.position[i][static_cast<int>(a)], lower_[static_cast<int>(a)], width));
     const std::uint64_t key = RigidLevel::key_of(place);
     if (!was_in_run || key != runs_.back().key) {
       if (runs_.size() == runs_.capacity())
@@ -307,6 +341,7 @@ void RigidMultigrid::find_runs(const ViscousForces& forces, const FluidParticles
     }
     runs_.back().end = i + 1;
   }
+  if (shared_) any_led_ = shared_->ranks().max(static_cast<int>(any_led_)) != 0;
 }
 
 void RigidMultigrid::find_cells() {
@@ -314,13 +349,16 @@ void RigidMultigrid::find_cells() {
       runs_, [](const Run& a, const Run& b) { return a.key != b.key ? a.key < b.key : a.begin < b.begin; });
   auto& keys = levels_.front().key;
   keys.clear();
-  first_run_.clear();
-  for (std::uint32_t k = 0; k < runs_.size(); ++k)
-    if (keys.empty() || runs_[k].key != keys.back()) {
-      keys.push_back(runs_[k].key);
-      first_run_.push_back(k);
-    }
-  first_run_.push_back(static_cast<std::uint32_t>(runs_.size()));
+  for (const Run& run : runs_)
+    if (keys.empty() || run.key != keys.back()) keys.push_back(run.key);
+  if (shared_) shared_->merge(keys);
+  first_run_.resize(keys.size() + 1);
+  std::uint32_t k = 0;
+  for (std::size_t cell = 0; cell < keys.size(); ++cell) {
+    first_run_[cell] = k;
+    while (k < runs_.size() && runs_[k].key == keys[cell]) ++k;
+  }
+  first_run_.back() = k;
   levels_.front().reset();
 }
 
@@ -350,6 +388,7 @@ double RigidMultigrid::restrict_to(std::size_t cell, const FluidParticles& parti
 
 double RigidMultigrid::solve() {
   if (depth_ == 0) return 0;
+  if (shared_) shared_->complete(levels_.front().load);
   for (std::size_t k = 0; k < depth_; ++k) {
     levels_[k].relax_from_zero();
     if (k + 1 < depth_) levels_[k].restrict_to(levels_[k + 1]);

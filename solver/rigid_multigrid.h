@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/parallel.h"
@@ -9,6 +10,7 @@
 #include "solver/fluid_particles.h"
 #include "solver/lanes.h"
 #include "solver/neighbours.h"
+#include "solver/rank_cells.h"
 #include "solver/rigid_level.h"
 #include "solver/viscous_forces.h"
 
@@ -78,6 +80,8 @@ class RigidMultigrid {
   std::size_t bytes() const;
 
  private:
+  /// Where ranks share the liquid, those of other ranks have no particles here.
+  bool is_own(std::size_t cell) const { return first_run_[cell] != first_run_[cell + 1]; }
   /// Particles [begin, end), all in the cell.
   struct Run {
     std::uint64_t key;
@@ -86,6 +90,7 @@ class RigidMultigrid {
   class CellSums;
   static constexpr std::size_t kCellGrain = 4;  // cells that a task works on
 
+  void find_corner(const FluidParticles& particles);
   void find_runs(const ViscousForces& forces, const FluidParticles& particles);
   void find_cells();
   void find_centre(const FluidParticles& particles, std::size_t cell);
@@ -97,9 +102,11 @@ class RigidMultigrid {
   Vec4f arm(std::size_t cell, const Vec4f& x) const { return without_fourth(x - finest().centre[cell]); }
 
   double spacing_;
-  Vec4f lower_ = Vec4f::Zero();  // corner of the grid [m]
+  Vec4f lower_ = Vec4f::Zero();                // corner of the grid [m]
+  std::array<std::int64_t, 3> first_place_{};  // place in it from which the cells' count
   std::vector<Run> runs_;
   std::vector<std::uint32_t> first_run_;  // of a cell
+  std::optional<RankCells> shared_;       // where ranks share the liquid
   std::vector<SymmetricMatrix> inverse_diagonal_;
   std::vector<RigidLevel> levels_;  // from fine to coarse
   std::size_t depth_ = 0;           // levels in use; 0: M is D

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/parallel.h"
+#include "solver/halo.h"
 #include "solver/lanes.h"
 
 namespace kappaflow {
@@ -71,6 +72,7 @@ void SurfaceTension::apply(FluidParticles& particles, const NeighbourLists& list
     const Vec4f& n = particles.gradient_sum[i];
     direction[i] = n / std::sqrt(n.squaredNorm() + least_gradient_ * least_gradient_);
   });
+  fill_ghosts(particles, direction);
   parallel_for(particles.size(), [&](std::size_t i) {
     if (particles.led_by[i] == 0) particles.velocity[i] += time_step * acceleration(i, particles, lists);
   });

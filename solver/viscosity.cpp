@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/parallel.h"
+#include "solver/halo.h"
 
 namespace kappaflow {
 namespace {
@@ -96,12 +97,14 @@ class ViscositySolver::ConjugateGradients {
   /// Builds the preconditioner and finds the first residual.
   Squares begin() {
     bodies_.set_up();
+    fill_ghosts(particles_, solution_);
     cells_.build(forces_, particles_, lists_, walls_, time_step_, solution_, image_);
     return find_residual();
   }
 
   /// Finds the residual anew.
   Squares restart() {
+    fill_ghosts(particles_, solution_);
     parallel_for(particles_.size(), [this](std::size_t i) {
       image_[i] = forces_.resistance(i, particles_, lists_, walls_, solution_);
     });
@@ -122,12 +125,13 @@ class ViscositySolver::ConjugateGradients {
 
   /// q = A p; returns p . q. In the order of the lists of neighbours, most of what is read.
   double curvature() {
+    fill_ghosts(particles_, direction_);
     const double of_liquid = parallel_sum(particles_.size(), 0.0, [this](std::size_t i) {
       image_[i] = particles_.mass(i) * direction_[i] +
                   time_step_ * forces_.resistance(i, particles_, lists_, walls_, direction_);
       return sum_of(direction_[i].cwiseProduct(image_[i]));
     });
-    return of_liquid + bodies_.respond_to(direction_, image_);
+    return sum_of_ranks(particles_, of_liquid) + bodies_.respond_to(direction_, image_);
   }
 
   /// v += length p, r -= length q.
@@ -195,7 +199,7 @@ class ViscositySolver::ConjugateGradients {
   }
   template <class T, class Value>
   T sum(const T& zero, const Value& value) const {
-    return cells_.sum_over_cells(zero, value);
+    return sum_of_ranks(particles_, cells_.sum_over_cells(zero, value));
   }
 
   const ViscousForces& forces_;
@@ -238,7 +242,7 @@ void ViscositySolver::solve_system(ConjugateGradients& step, double speed_of_fal
 
 ViscositySolve ViscositySolver::solve(FluidParticles& particles, const NeighbourLists& lists, WallSums& walls,
                                       float time_step, double time, RigidBodies* bodies) {
-  if (forces_.none() || particles.size() == 0) return {};
+  if (forces_.none() || total_size(particles) == 0) return {};
   const double dt = static_cast<double>(time_step);
   const double speed_of_fall = gravity_.mean(time, time + dt).norm() * dt;
   const auto find_viscosities = [&](bool again) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/parallel.h"
+#include "solver/halo.h"
 #include "solver/shear_rate.h"
 
 namespace kappaflow {
@@ -53,15 +54,19 @@ ViscousForces::ViscousForces(const FluidOptions& options)
 }
 
 void ViscousForces::find_viscosities(FluidParticles& particles, const NeighbourLists& lists,
-                                     const WallSums& walls, const std::vector<Vec4f>& v, bool again) {
+                                     const WallSums& walls, std::vector<Vec4f>& v, bool again) {
   const std::size_t n = particles.size();
   particles.viscosity.resize(n);
   particles.wall_viscosity.resize(n);
+  fill_ghosts(particles, v);
   parallel_for(n, [&](std::size_t i) { find_viscosity(i, particles, lists, walls, v, again); });
-  for (std::size_t fluid = 0; fluid < fluids_; ++fluid)
-    if (laws_[fluid].varies())
-      viscosity_[fluid] = parallel_max(
-          n, 0.0f, [&](std::size_t i) { return particles.fluid[i] == fluid ? particles.viscosity[i] : 0; });
+  fill_ghosts(particles, particles.viscosity);
+  for (std::size_t fluid = 0; fluid < fluids_; ++fluid) {
+    if (!laws_[fluid].varies()) continue;
+    const float most = parallel_max(
+        n, 0.0f, [&](std::size_t i) { return particles.fluid[i] == fluid ? particles.viscosity[i] : 0; });
+    viscosity_[fluid] = max_of_ranks(particles, most);
+  }
 }
 
 void ViscousForces::find_viscosity(std::size_t i, FluidParticles& particles, const NeighbourLists& lists,

@@ -87,7 +87,7 @@ class ViscousForces {
   /// shear_rate(), nu_i' from that between the particle and the wall. again: those of `particles` are of
   /// the iterate before. Precondition: vary().
   void find_viscosities(FluidParticles& particles, const NeighbourLists& lists, const WallSums& walls,
-                        const std::vector<Vec4f>& v, bool again = false);
+                        std::vector<Vec4f>& v, bool again = false);
   /// Whether viscous forces can change the particle's velocity: it is viscous and not led.
   bool act_on(std::size_t i, const FluidParticles& particles) const {
     if (particles.led_by[i] != 0) return false;

@@ -4,6 +4,7 @@
 #include <atomic>
 
 #include "core/parallel.h"
+#include "solver/halo.h"
 #include "solver/lanes.h"
 #include "solver/pressure.h"
 
@@ -60,6 +61,7 @@ ViscousPressure::ViscousPressure(const FluidOptions& options)
 void ViscousPressure::spread(FluidParticles& particles, const NeighbourLists& lists, float time_step) const {
   parallel_for(particles.size(),
                [&](std::size_t i) { particles.position[i][3] = -particles.least_pressure[i]; });
+  fill_kappa_of_ghosts(particles);
   parallel_for(particles.size(), [&](std::size_t i) {
     if (particles.led_by[i] != 0) return;
     const Vec4f xi = particles.position[i];
@@ -104,7 +106,31 @@ void ViscousPressure::measure(FluidParticles& particles, const NeighbourLists& l
     forget(i, thin);
     for (const PairBlock& block : lists.of(i))
       for (std::size_t k = 0; k < kWide; ++k)
-        if (block.factor[k] > 0) forget(block.base + block.offset[k], thin);
+        if (block.factor[k] > 0 && block.base + block.offset[k] < particles.size())
+          forget(block.base + block.offset[k], thin);
+  });
+  if (particles.halo != nullptr) forget_beside_ghosts(particles, lists);
+}
+
+/// What the other ranks' thin and loose particles do to this one's beside them.
+void ViscousPressure::forget_beside_ghosts(FluidParticles& particles, const NeighbourLists& lists) const {
+  enum : std::uint8_t { kThinOne = 1, kLooseOne = 2 };
+  auto& notes = noted(particles);
+  const std::size_t n = particles.size();
+  std::vector<std::uint8_t> kinds(n);
+  parallel_for(n, [&](std::size_t i) {
+    kinds[i] = static_cast<std::uint8_t>((resistance(i, particles) == 0 ? kThinOne : 0) |
+                                         (is_loose(i, lists) ? kLooseOne : 0));
+  });
+  fill_ghosts(particles, kinds);
+  parallel_for(n, [&](std::size_t i) {
+    for (const PairBlock& block : lists.of(i))
+      for (std::size_t k = 0; k < kWide; ++k) {
+        const std::size_t j = block.base + block.offset[k];
+        if (block.factor[k] == 0 || j < n) continue;
+        if (kinds[j] != 0) notes[i][1] = 0;
+        if ((kinds[j] & kThinOne) != 0) notes[i][0] = 0;
+      }
   });
 }
 

@@ -52,6 +52,7 @@ class ViscousPressure {
   void correct(FluidParticles& particles) const;
 
  private:
+  void forget_beside_ghosts(FluidParticles& particles, const NeighbourLists& lists) const;
   /// kBulk nu of a particle, 0: thin [m2/s].
   float resistance(std::size_t i, const FluidParticles& particles) const;
 

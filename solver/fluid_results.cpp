@@ -1,0 +1,194 @@
+// What a solver says of itself, and how it is saved; with several ranks, the first one asks the others.
+#include <limits>
+#include <sstream>
+
+#include "core/saved_state.h"
+#include "solver/fluid_state.h"
+
+namespace kappaflow {
+namespace {
+
+/// Where the particles are, by ascending id.
+std::vector<std::uint32_t> order_by_id(const FluidParticles& particles) {
+  constexpr std::uint32_t kGone = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> place(particles.source.size(), kGone);
+  for (std::size_t i = 0; i < particles.size(); ++i) place[particles.id[i]] = static_cast<std::uint32_t>(i);
+  std::erase(place, kGone);
+  return place;
+}
+
+/// value(i) of the particles by ascending id.
+template <class T, class Value>
+std::vector<T> values_by_id(const FluidParticles& particles, const Value& value) {
+  std::vector<T> result;
+  if (particles.size() == particles.source.size()) {  // none is gone
+    result.resize(particles.size());
+    for (std::size_t i = 0; i < particles.size(); ++i) result[particles.id[i]] = value(i);
+    return result;
+  }
+  result.reserve(particles.size());
+  for (const std::uint32_t i : order_by_id(particles)) result.push_back(value(i));
+  return result;
+}
+
+}  // namespace
+
+void FluidSolver::State::collect(bool motion) {
+  halo->collect(particles, motion, whole);
+}
+
+const FluidParticles& FluidSolver::State::all_particles(bool motion) {
+  if (ranks == nullptr) return particles;
+  const Collected wanted = motion ? Collected::motion : Collected::all;
+  if (collected < wanted) {
+    together({motion ? RankTask::collect_motion : RankTask::collect_all}, [&] { collect(motion); });
+    collected = wanted;
+  }
+  return whole;
+}
+
+/// Finds what follows from the state.
+void FluidSolver::State::restart() {
+  if (ranks != nullptr) share_restored();
+  collected = Collected::nothing;
+  walls.move_to(time);
+  place_bodies();
+  find_neighbours();
+  sum_walls();
+}
+
+/// What the first rank has read: it keeps the particles until they go to where they belong, and tells the
+/// others the rest.
+void FluidSolver::State::share_restored() {
+  std::ostringstream written;
+  if (ranks->rank() == 0)
+    StateWriter(written, little_endian())(time, steps, fastest, particles.source, emitters);
+  const std::string text = std::move(written).str();
+  std::vector<char> bytes(text.begin(), text.end());
+  ranks->broadcast_values(bytes);
+  if (ranks->rank() == 0) return;
+  std::istringstream read(std::string(bytes.begin(), bytes.end()));
+  StateReader archive(read);
+  archive(time, steps, fastest, particles.source, emitters);
+  particles.keep({});
+}
+
+template <class Archive>
+void FluidSolver::State::serialize(Archive& archive) {
+  if constexpr (Archive::is_loading::value) {
+    archive(time, steps, fastest, particles, emitters, bodies);
+    together({RankTask::restore}, [this] { restart(); });
+  } else if (ranks == nullptr) {
+    archive(time, steps, fastest, particles, emitters, bodies);
+  } else {
+    all_particles(false);
+    archive(time, steps, fastest, whole, emitters, bodies);
+  }
+}
+
+template <class Archive>
+void FluidSolver::serialize(Archive& archive) {
+  archive(*state_);
+}
+template void FluidSolver::serialize(StateWriter&);
+template void FluidSolver::serialize(StateReader&);
+
+void FluidSolver::follow() {
+  State& s = *state_;
+  for (;;) {
+    const RankOrder order = s.ranks->next_order();
+    switch (order.task) {
+      case RankTask::step:
+        try {
+          s.step(order.value);
+        } catch (const SolverFailure&) {
+          // The first rank has found the same, and says so.
+        }
+        break;
+      case RankTask::collect_motion:
+      case RankTask::collect_all:
+        s.collect(order.task == RankTask::collect_motion);
+        break;
+      case RankTask::restore:
+        s.restart();
+        break;
+      case RankTask::make:
+      case RankTask::end:
+        return;
+    }
+  }
+}
+
+SolverMemory FluidSolver::memory() const {
+  const State& s = *state_;
+  return {s.particles.bytes() + s.whole.bytes() + s.search.bytes() + s.neighbours.bytes() +
+              s.wall_sums.bytes() + s.viscosity.bytes() + s.heat.bytes() + s.bodies.bytes(),
+          s.walls.bytes(), s.walls.size()};
+}
+
+double FluidSolver::time() const {
+  return state_->time;
+}
+std::size_t FluidSolver::steps() const {
+  return state_->steps;
+}
+std::size_t FluidSolver::size() const {
+  return total_size(state_->particles);
+}
+
+std::vector<std::size_t> FluidSolver::taken() const {
+  return state_->outflows.taken(state_->all_particles(true));
+}
+
+std::vector<BodyState> FluidSolver::bodies() const {
+  std::vector<BodyState> result;
+  for (std::size_t b = 0; b < state_->bodies.size(); ++b) result.push_back(state_->bodies.state(b));
+  return result;
+}
+
+Particles FluidSolver::particles() const {
+  const FluidParticles& p = state_->all_particles(true);
+  const std::vector<std::uint32_t> order = order_by_id(p);
+  Particles result{state_->time, std::vector<std::int64_t>(size()), std::vector<Vec3>(size()),
+                   std::vector<Vec3>(size())};
+  for (std::size_t k = 0; k < size(); ++k) {
+    const std::uint32_t i = order[k];
+    result.id[k] = p.id[i];
+    result.position[k] = p.position[i].head<3>().cast<double>();
+    result.velocity[k] = p.velocity[i].head<3>().cast<double>();
+  }
+  return result;
+}
+
+std::vector<float> FluidSolver::densities() const {
+  const FluidParticles& p = state_->all_particles(false);
+  return values_by_id<float>(p, [&](std::size_t i) {
+    return static_cast<float>(state_->options.rest_density(p.fluid[i])) * p.density[i];
+  });
+}
+
+std::vector<float> FluidSolver::pressures() const {
+  const FluidParticles& p = state_->all_particles(false);
+  return values_by_id<float>(p, [&](std::size_t i) {
+    return static_cast<float>(state_->options.density) * p.density[i] * p.density[i] *
+           (p.density_pressure[i] + p.divergence_pressure[i]);
+  });
+}
+
+std::vector<std::uint8_t> FluidSolver::fluids() const {
+  const FluidParticles& p = state_->all_particles(false);
+  return values_by_id<std::uint8_t>(p, [&](std::size_t i) { return p.fluid[i]; });
+}
+
+std::vector<double> FluidSolver::temperatures() const {
+  if (!state_->options.heat) return {};
+  const FluidParticles& p = state_->all_particles(false);
+  return values_by_id<double>(p, [&](std::size_t i) { return p.temperature[i]; });
+}
+
+std::vector<int> FluidSolver::sources() const {
+  const FluidParticles& p = state_->all_particles(false);
+  return values_by_id<int>(p, [&](std::size_t i) { return p.source[p.id[i]]; });
+}
+
+}  // namespace kappaflow

@@ -1,0 +1,187 @@
+#include "solver/halo.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numeric>
+
+#include "core/bytes.h"
+#include "solver/kernel.h"
+
+namespace kappaflow {
+namespace {
+
+// Beyond the kernel's support, which rounding must not make a neighbour of a particle that is no ghost.
+constexpr float kMargin = 0.01f;      // [spacings]
+constexpr float kRounding = 1e-6f;    // of a position
+constexpr std::size_t kChunk = 1024;  // particles that one task looks at
+
+template <class T>
+void append(std::vector<std::byte>& bytes, const std::vector<T>& values,
+            std::span<const std::uint32_t> index) {
+  std::size_t at = bytes.size();
+  bytes.resize(at + sizeof(T) * index.size());
+  for (const std::uint32_t i : index) {
+    std::memcpy(&bytes[at], static_cast<const void*>(&values[i]), sizeof(T));
+    at += sizeof(T);
+  }
+}
+
+/// Takes `count` values from the front of what is left.
+template <class T>
+void take(std::span<const std::byte>& bytes, std::size_t count, std::vector<T>& values) {
+  const std::size_t before = values.size();
+  values.resize(before + count);
+  if (count > 0) std::memcpy(static_cast<void*>(&values[before]), bytes.data(), sizeof(T) * count);
+  bytes = bytes.subspan(sizeof(T) * count);
+}
+
+}  // namespace
+
+std::size_t Halo::bytes() const {
+  return grid_.bytes() + bytes_of(index_, slot_, outbox_, inbox_);
+}
+
+/// What each rank has packed for this one, for what this one has packed for each.
+Halo::Packages Halo::swapped(Packages sent) const {
+  std::vector<std::size_t> sizes(sent.size());
+  std::ranges::transform(sent, sizes.begin(), &std::vector<std::byte>::size);
+  const std::size_t n = sizes.size(), own = static_cast<std::size_t>(ranks_.rank());
+  const std::vector<std::size_t> all =
+      ranks_.gathered(std::span<const std::size_t>(sizes), std::vector<std::size_t>(n, n));
+  Packages received(n);
+  std::vector<Parcel> out, in;
+  for (std::size_t r = 0; r < n; ++r) {
+    received[r].resize(all[r * n + own]);
+    if (!sent[r].empty()) out.push_back({static_cast<int>(r), sent[r]});
+    if (!received[r].empty()) in.push_back({static_cast<int>(r), received[r]});
+  }
+  ranks_.exchange(out, in);
+  return received;
+}
+
+void Halo::migrate(FluidParticles& particles) {
+  cut_.cut(particles.position, ranks_);
+  const std::size_t n = particles.size();
+  std::vector<int> owner(n);
+  parallel_for(n, [&](std::size_t i) { owner[i] = cut_.owner_of(cut_.place_of(particles.position[i])); });
+  std::vector<std::vector<std::uint32_t>> leaving(static_cast<std::size_t>(ranks_.size()));
+  for (std::uint32_t i = 0; i < n; ++i) leaving[static_cast<std::size_t>(owner[i])].push_back(i);
+  std::vector<std::uint32_t> kept;
+  kept.swap(leaving[static_cast<std::size_t>(ranks_.rank())]);
+  Packages packages(leaving.size());
+  std::size_t width = 0;
+  FluidParticles::for_state(heat_, [&](auto member) {
+    const auto& array = particles.*member;
+    width += sizeof(array[0]);
+    for (std::size_t r = 0; r < packages.size(); ++r) append(packages[r], array, leaving[r]);
+  });
+  packages = swapped(std::move(packages));
+  if (kept.size() < n) particles.keep(kept);
+  for (const std::vector<std::byte>& package : packages) {
+    std::span<const std::byte> left(package);
+    const std::size_t count = package.size() / width;
+    FluidParticles::for_state(heat_, [&](auto member) { take(left, count, particles.*member); });
+  }
+  own_ = particles.size();
+  counts_ = ranks_.one_of_each(own_);
+  total_ = std::accumulate(counts_.begin(), counts_.end(), std::size_t{0});
+}
+
+/// Fills index_: a particle goes to every rank that owns a cell within the support of it.
+void Halo::find_sent(const FluidParticles& particles) {
+  struct Sent {
+    std::uint32_t particle;
+    int rank;
+  };
+  const std::size_t n = particles.size(), chunks = (n + kChunk - 1) / kChunk;
+  std::vector<std::vector<Sent>> found(chunks);
+  const int own = ranks_.rank();
+  const auto look = [&](std::size_t i, std::vector<Sent>& sent) {
+    const Vec4f& x = particles.position[i];
+    const Vec4f reach = Vec4f::Constant((2 + kMargin) * spacing_) + kRounding * x.cwiseAbs();
+    const auto low = cut_.place_of(x - reach), high = cut_.place_of(x + reach);
+    const std::size_t before = sent.size();
+    for (std::int64_t z = low[2]; z <= high[2]; ++z)
+      for (std::int64_t y = low[1]; y <= high[1]; ++y)
+        for (std::int64_t cell = low[0]; cell <= high[0]; ++cell) {
+          const int owner = cut_.owner_of({cell, y, z});
+          if (owner == own) continue;
+          if (std::any_of(sent.begin() + static_cast<std::ptrdiff_t>(before), sent.end(),
+                          [&](const Sent& s) { return s.rank == owner; }))
+            continue;
+          sent.push_back({static_cast<std::uint32_t>(i), owner});
+        }
+  };
+  parallel_for(
+      chunks,
+      [&](std::size_t chunk) {
+        for (std::size_t i = chunk * kChunk; i < std::min(n, (chunk + 1) * kChunk); ++i)
+          look(i, found[chunk]);
+      },
+      1);
+  std::vector<std::vector<std::uint32_t>> to(static_cast<std::size_t>(ranks_.size()));
+  for (const std::vector<Sent>& sent : found)
+    for (const Sent& s : sent) to[static_cast<std::size_t>(s.rank)].push_back(s.particle);
+  index_.clear();
+  first_sent_.assign(1, 0);
+  for (const std::vector<std::uint32_t>& particles_to : to) {
+    index_.insert(index_.end(), particles_to.begin(), particles_to.end());
+    first_sent_.push_back(index_.size());
+  }
+}
+
+void Halo::find_ghosts(FluidParticles& particles) {
+  find_sent(particles);
+  const std::size_t n = static_cast<std::size_t>(ranks_.size()),
+                    own = static_cast<std::size_t>(ranks_.rank());
+  std::vector<std::size_t> counts(n);
+  for (std::size_t r = 0; r < n; ++r) counts[r] = first_sent_[r + 1] - first_sent_[r];
+  const std::vector<std::size_t> all =
+      ranks_.gathered(std::span<const std::size_t>(counts), std::vector<std::size_t>(n, n));
+  first_received_.assign(1, 0);
+  for (std::size_t r = 0; r < n; ++r) first_received_.push_back(first_received_.back() + all[r * n + own]);
+  // First as they come, then in the order of a grid of their own.
+  slot_.resize(first_received_.back());
+  std::iota(slot_.begin(), slot_.end(), 0u);
+  share(particles.position);
+  grid_.build(std::span<const Vec4f>(particles.position).subspan(own_), static_cast<double>(2 * spacing_));
+  for (std::uint32_t k = 0; k < slot_.size(); ++k) slot_[grid_.order()[k]] = k;
+  share(particles.position);
+  share(particles.fluid);
+  share(particles.led_by);
+}
+
+/// Sends index_ and receives the ghosts, so many bytes each.
+void Halo::transfer(std::size_t width) {
+  std::vector<Parcel> out, in;
+  const auto add = [&](std::vector<Parcel>& parcels, std::vector<std::byte>& box,
+                       const std::vector<std::size_t>& first) {
+    for (std::size_t r = 0; r + 1 < first.size(); ++r)
+      if (first[r] != first[r + 1])
+        parcels.push_back({static_cast<int>(r),
+                           std::span(box).subspan(first[r] * width, (first[r + 1] - first[r]) * width)});
+  };
+  add(out, outbox_, first_sent_);
+  add(in, inbox_, first_received_);
+  ranks_.exchange(out, in);
+}
+
+void Halo::collect(const FluidParticles& particles, bool motion, FluidParticles& whole) const {
+  const auto collect_one = [&](auto member) {
+    using T = typename std::decay_t<decltype(particles.*member)>::value_type;
+    whole.*member = ranks_.gathered_to_first(std::span<const T>(particles.*member).first(own_), counts_);
+  };
+  if (motion) {
+    collect_one(&FluidParticles::id);
+    collect_one(&FluidParticles::position);
+    collect_one(&FluidParticles::velocity);
+  } else {
+    FluidParticles::for_state(heat_, collect_one);
+    collect_one(&FluidParticles::density);
+  }
+  whole.source = particles.source;
+  whole.mass_of_fluid = particles.mass_of_fluid;
+}
+
+}  // namespace kappaflow

@@ -1,0 +1,118 @@
+// Liquid that several ranks share: its particles on their way between them, and copies of those beside a
+// rank's own.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/cell_grid.h"
+#include "core/parallel.h"
+#include "solver/fluid_particles.h"
+#include "solver/liquid_cut.h"
+#include "solver/ranks.h"
+
+namespace kappaflow {
+
+/// Each particle belongs to the rank that owns its cell. The arrays of FluidParticles hold a rank's own
+/// particles first and, where loops over pairs read neighbours' values, copies of the other ranks' particles
+/// within the kernel's support behind them, the ghosts, which share() fills. Neighbours' lists have rows for
+/// own particles only, so loops over FluidParticles::size() and sums over them are those of one rank's share.
+class Halo {
+ public:
+  /// heat: whether particles have temperatures.
+  Halo(Ranks& ranks, double spacing, bool heat)
+      : ranks_(ranks), cut_(spacing), spacing_(static_cast<float>(spacing)), heat_(heat) {}
+
+  Ranks& ranks() const { return ranks_; }
+  const LiquidCut& cut() const { return cut_; }
+  std::size_t total() const { return total_; }                     ///< particles of all ranks
+  std::span<const std::size_t> counts() const { return counts_; }  ///< of each rank
+  const CellGrid& ghosts() const { return grid_; }  ///< in its order they stand behind the own particles
+
+  /// Cuts the liquid anew and brings every particle to its rank. Precondition: no ghosts.
+  void migrate(FluidParticles& particles);
+  /// Finds the ghosts for the particles where they are, and fills position, fluid and led_by.
+  void find_ghosts(FluidParticles& particles);
+  /// The state of all ranks' particles on rank 0, rank by rank; densities too. motion: only id, position and
+  /// velocity.
+  void collect(const FluidParticles& particles, bool motion, FluidParticles& whole) const;
+
+  /// Fills the ghosts' entries of an array that has one entry a particle.
+  template <class T>
+  void share(std::vector<T>& values) {
+    const std::size_t own = own_;
+    values.resize(own + slot_.size());
+    exchange<T>([&](std::size_t i) -> const T& { return values[i]; },
+                [&](std::size_t ghost, const T& value) { values[own + ghost] = value; });
+  }
+  /// Those of kappa, in position[].w.
+  void share_kappa(std::vector<Vec4f>& position) {
+    exchange<float>([&](std::size_t i) { return position[i][3]; },
+                    [&](std::size_t ghost, float kappa) { position[own_ + ghost][3] = kappa; });
+  }
+
+  std::size_t bytes() const;
+
+ private:
+  using Packages = std::vector<std::vector<std::byte>>;  // one a rank
+
+  Packages swapped(Packages sent) const;
+  void find_sent(const FluidParticles& particles);
+  void transfer(std::size_t width);
+  template <class T, class Read, class Write>
+  void exchange(const Read& read, const Write& write) {
+    outbox_.resize(index_.size() * sizeof(T));
+    inbox_.resize(slot_.size() * sizeof(T));
+    T* const out = reinterpret_cast<T*>(outbox_.data());
+    parallel_for(index_.size(), [&](std::size_t k) { out[k] = read(index_[k]); });
+    transfer(sizeof(T));
+    const T* const in = reinterpret_cast<const T*>(inbox_.data());
+    parallel_for(slot_.size(), [&](std::size_t k) { write(slot_[k], in[k]); });
+  }
+
+  Ranks& ranks_;
+  LiquidCut cut_;
+  float spacing_;
+  bool heat_;
+  std::vector<std::size_t> counts_;
+  std::size_t total_ = 0, own_ = 0;
+  CellGrid grid_;
+  std::vector<std::uint32_t> index_;         // own particles that are ghosts elsewhere, rank by rank
+  std::vector<std::size_t> first_sent_;      // where each rank's begin, and the end
+  std::vector<std::uint32_t> slot_;          // of each ghost, as they come
+  std::vector<std::size_t> first_received_;  // likewise
+  std::vector<std::byte> outbox_, inbox_;
+};
+
+/// Fills the ghosts' entries, where there are any.
+template <class T>
+void fill_ghosts(const FluidParticles& particles, std::vector<T>& values) {
+  if (particles.halo != nullptr) particles.halo->share(values);
+}
+
+/// The same of kappa, in position[].w.
+inline void fill_kappa_of_ghosts(FluidParticles& particles) {
+  if (particles.halo != nullptr) particles.halo->share_kappa(particles.position);
+}
+
+/// Of what each rank has found for its own particles.
+template <class T>
+T sum_of_ranks(const FluidParticles& particles, const T& own) {
+  return particles.halo != nullptr ? particles.halo->ranks().sum(own) : own;
+}
+template <class T>
+T max_of_ranks(const FluidParticles& particles, const T& own) {
+  return particles.halo != nullptr ? particles.halo->ranks().max(own) : own;
+}
+
+inline bool is_first_rank(const FluidParticles& particles) {
+  return particles.halo == nullptr || particles.halo->ranks().rank() == 0;
+}
+
+/// Particles of all ranks.
+inline std::size_t total_size(const FluidParticles& particles) {
+  return particles.halo != nullptr ? particles.halo->total() : particles.size();
+}
+
+}  // namespace kappaflow

@@ -1,0 +1,153 @@
+// Processes that share one liquid.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <numeric>
+#include <span>
+#include <vector>
+
+namespace kappaflow {
+
+/// What the other ranks are to do together with rank 0, which alone is asked by anybody.
+enum class RankTask : std::int64_t { end, make, step, collect_motion, collect_all, restore };
+
+struct RankOrder {
+  RankTask task = RankTask::end;
+  double value = 0;  ///< of a step: the time left for it [s]
+};
+
+/// What a rank has sent since the start.
+struct RankTraffic {
+  std::uint64_t messages = 0, bytes = 0;
+};
+
+/// Bytes to or from another rank.
+struct Parcel {
+  int rank = 0;
+  std::span<std::byte> bytes;
+};
+
+template <class T>
+std::span<std::byte> bytes_in(std::span<T> values) {
+  return {reinterpret_cast<std::byte*>(values.data()), values.size_bytes()};
+}
+template <class T>
+std::span<const std::byte> bytes_in(std::span<const T> values) {
+  return {reinterpret_cast<const std::byte*>(values.data()), values.size_bytes()};
+}
+
+/// The ranks, numbered from 0, that run one solver: how they exchange data. Every rank calls the functions in
+/// the same order. What they add up they gather and add in the order of the ranks, each for itself, so that
+/// all have the same bits, every time. The libraries know no more of it than this: whoever starts the
+/// processes says how bytes go from one to another (tools/commands/mpi_ranks.h by MPI).
+class Ranks {
+ public:
+  virtual ~Ranks() = default;
+
+  virtual int rank() const = 0;
+  virtual int size() const = 0;
+  virtual RankTraffic traffic() const = 0;
+
+  /// all = what every rank gives, in their order; sizes: of each rank's [bytes].
+  virtual void gather(std::span<const std::byte> own, std::span<const std::size_t> sizes,
+                      std::span<std::byte> all) = 0;
+  /// The same, on rank 0 only; the others give no `all`.
+  virtual void gather_to_first(std::span<const std::byte> own, std::span<const std::size_t> sizes,
+                               std::span<std::byte> all) = 0;
+  /// Sends and receives, at most one parcel each way between two ranks, of the size that both know.
+  virtual void exchange(std::span<const Parcel> sent, std::span<const Parcel> received) = 0;
+  /// Rank 0's bytes to all.
+  virtual void broadcast(std::span<std::byte> bytes) = 0;
+  /// Ends all ranks at once.
+  [[noreturn]] virtual void abort(int exit_code) = 0;
+
+  /// Rank 0 tells the others what is next; until finish() they are at it together.
+  void announce(const RankOrder& order) {
+    RankOrder copy = order;
+    tell(bytes_in(std::span(&copy, 1)));
+    busy_ = order.task != RankTask::end;
+  }
+  /// The others wait for it: long, while rank 0 works alone.
+  RankOrder next_order() {
+    RankOrder order;
+    tell(bytes_in(std::span(&order, 1)));
+    ended_ = order.task == RankTask::end;
+    return order;
+  }
+  void finish() { busy_ = false; }
+  /// Whether rank 0 is at something that all take part in.
+  bool busy() const { return busy_; }
+  /// Whether rank 0 has said that there is nothing more to do.
+  bool ended() const { return ended_; }
+
+  /// One value of each rank.
+  template <class T>
+  std::vector<T> one_of_each(const T& own) {
+    const std::vector<std::size_t> sizes(static_cast<std::size_t>(size()), sizeof(T));
+    std::vector<T> all(sizes.size());
+    gather(bytes_in(std::span(&own, 1)), sizes, bytes_in(std::span(all)));
+    return all;
+  }
+  /// Combination in the order of the ranks.
+  template <class T, class Combine>
+  T combined(const T& own, const Combine& combine) {
+    const std::vector<T> all = one_of_each(own);
+    T result = all.front();
+    for (std::size_t k = 1; k < all.size(); ++k) result = combine(result, all[k]);
+    return result;
+  }
+  template <class T>
+  T sum(const T& own) {
+    return combined(own, [](const T& a, const T& b) -> T { return a + b; });
+  }
+  template <class T>
+  T max(const T& own) {
+    return combined(own, [](const T& a, const T& b) -> T { return a < b ? b : a; });
+  }
+
+  /// The values of all ranks, counts[r] of rank r.
+  template <class T>
+  std::vector<T> gathered(std::span<const T> own, std::span<const std::size_t> counts) {
+    std::vector<T> all(std::accumulate(counts.begin(), counts.end(), std::size_t{0}));
+    gather(bytes_in(own), sizes_of<T>(counts), bytes_in(std::span(all)));
+    return all;
+  }
+  /// The same where only each rank knows how many it has.
+  template <class T>
+  std::vector<T> gathered(const std::vector<T>& own) {
+    return gathered(std::span<const T>(own), one_of_each(own.size()));
+  }
+  /// On rank 0 only; elsewhere nothing.
+  template <class T>
+  std::vector<T> gathered_to_first(std::span<const T> own, std::span<const std::size_t> counts) {
+    std::vector<T> all(rank() == 0 ? std::accumulate(counts.begin(), counts.end(), std::size_t{0}) : 0);
+    gather_to_first(bytes_in(own), sizes_of<T>(counts), bytes_in(std::span(all)));
+    return all;
+  }
+  /// Rank 0's values to all.
+  template <class T>
+  void broadcast_values(std::vector<T>& values) {
+    std::uint64_t count = values.size();
+    broadcast(bytes_in(std::span(&count, 1)));
+    values.resize(count);
+    broadcast(bytes_in(std::span(values)));
+  }
+
+ protected:
+  /// As broadcast(), but the others should sleep until it comes.
+  virtual void tell(std::span<std::byte> bytes) = 0;
+
+ private:
+  template <class T>
+  static std::vector<std::size_t> sizes_of(std::span<const std::size_t> counts) {
+    std::vector<std::size_t> sizes(counts.begin(), counts.end());
+    for (std::size_t& size : sizes) size *= sizeof(T);
+    return sizes;
+  }
+
+  bool busy_ = false, ended_ = false;
+};
+
+}  // namespace kappaflow
