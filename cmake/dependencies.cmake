@@ -72,6 +72,8 @@ if(OPENVDB_INCLUDE_DIR AND OPENVDB_LIBRARY)
   set_target_properties(OpenVDB::openvdb PROPERTIES IMPORTED_LOCATION ${OPENVDB_LIBRARY}
                         INTERFACE_INCLUDE_DIRECTORIES ${OPENVDB_INCLUDE_DIR} INTERFACE_LINK_LIBRARIES TBB::tbb)
 endif()
+# Only for runs of several processes. By its C functions alone.
+find_package(MPI QUIET COMPONENTS C)
 if(KAPPAFLOW_TESTS)
   kappaflow_needs(GTest 1.12 libgtest-dev)
 endif()

@@ -61,7 +61,7 @@ class Ranks {
   /// Rank 0's bytes to all.
   virtual void broadcast(std::span<std::byte> bytes) = 0;
   /// Ends all ranks at once.
-  [[noreturn]] virtual void abort(int exit_code) = 0;
+  virtual void abort(int exit_code) = 0;
 
   /// Rank 0 tells the others what is next; until finish() they are at it together.
   void announce(const RankOrder& order) {
@@ -74,12 +74,14 @@ class Ranks {
     RankOrder order;
     tell(bytes_in(std::span(&order, 1)));
     ended_ = order.task == RankTask::end;
+    begun_ = begun_ || order.task == RankTask::make;
     return order;
   }
   void finish() { busy_ = false; }
   /// Whether rank 0 is at something that all take part in.
   bool busy() const { return busy_; }
-  /// Whether rank 0 has said that there is nothing more to do.
+  /// Whether rank 0 has begun, and whether it has said that there is nothing more to do.
+  bool begun() const { return begun_; }
   bool ended() const { return ended_; }
 
   /// One value of each rank.
@@ -147,7 +149,7 @@ class Ranks {
     return sizes;
   }
 
-  bool busy_ = false, ended_ = false;
+  bool busy_ = false, begun_ = false, ended_ = false;
 };
 
 }  // namespace kappaflow

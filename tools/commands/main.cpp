@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@
 #include "tools/commands/command_line.h"
 #include "tools/commands/command_options.h"
 #include "tools/commands/command_words.h"
+#include "tools/commands/mpi_ranks.h"
 #include "tools/pictures/virtual_display.h"
 #include "tools/runs/check.h"
 #include "tools/runs/run_record.h"
@@ -25,7 +27,6 @@ namespace {
 
 using namespace kappaflow;
 
-constexpr int kExitUsage = 2;
 constexpr int kExitUnexpected = 1;
 constexpr int kExitFile = 5;
 
@@ -65,10 +66,17 @@ std::string one_line(std::string text) {
 }
 
 int execute(const CLI::App& app, CommandLine& line) {
+  if (Ranks* const ranks = line.run.ranks; ranks != nullptr && !app.got_subcommand("run"))
+    throw InvalidInput(
+        fmt::format("only kappaflow run works on several ranks; this is one of {}", ranks->size()));
   if (app.got_subcommand("run")) {
     reject_repeated("--track", line.run.methods);
     line.run.threads = line.threads;
     if (line.duration > 0) line.run.duration = line.duration;
+    if (line.run.ranks != nullptr && line.run.ranks->rank() > 0) {
+      follow_run(line.run);
+      return 0;
+    }
     return run(line.run);
   }
   if (app.got_subcommand("track")) {
@@ -112,15 +120,15 @@ int execute_with_threads(const CLI::App& app, CommandLine& line) {
   return tbb::task_arena(line.threads).execute([&] { return execute(app, line); });
 }
 
-int refuse(const CLI::App& app, const std::string& what) {
+[[noreturn]] void refuse(const CLI::App& app, const std::string& what) {
   const auto commands = app.get_subcommands();
-  fmt::print(stderr, "kappaflow: error: {}; see kappaflow {}--help\n", what,
-             commands.empty() ? "" : commands.front()->get_name() + " ");
-  return kExitUsage;
+  throw InvalidInput(fmt::format("{}; see kappaflow {}--help", what,
+                                 commands.empty() ? "" : commands.front()->get_name() + " "));
 }
 
-int parse_and_execute(int argc, char** argv) {
+int parse_and_execute(int argc, char** argv, Ranks* ranks) {
   CommandLine line;
+  line.run.ranks = ranks;
   line.run.command.assign(argv, argv + argc);
   line.track.command = line.run.command;
   line.experiment.command = line.run.command;
@@ -143,27 +151,74 @@ int parse_and_execute(int argc, char** argv) {
   try {
     app.parse(std::move(words));
   } catch (const CLI::Success& help_or_version) {
-    return app.remaining().empty() ? app.exit(help_or_version) : refuse(app, misunderstood(app));
+    if (!app.remaining().empty()) refuse(app, misunderstood(app));
+    return app.exit(help_or_version);
   } catch (const CLI::ParseError& error) {
     const std::string what = misunderstood(app);
-    return refuse(app, what.empty() ? one_line(error.what()) : what);
+    refuse(app, what.empty() ? one_line(error.what()) : what);
   }
   return execute_with_threads(app, line);
+}
+
+/// How the program ended: with an error unless that is empty.
+struct Outcome {
+  int exit_code = 0;
+  std::string error;
+};
+
+Outcome outcome_of(int argc, char** argv, Ranks* ranks) {
+  try {
+    return {parse_and_execute(argc, argv, ranks), ""};
+  } catch (const Error& error) {
+    return {error.exit_code(), error.what()};
+  } catch (const std::filesystem::filesystem_error& error) {
+    return {kExitFile, fmt::format("{}: {}", error.path1().string(), error.code().message())};
+  } catch (const std::exception& error) {
+    return {kExitUnexpected, one_line(error.what())};
+  }
+}
+
+void explain(const Outcome& outcome, const std::string& who = "") {
+  if (!outcome.error.empty()) fmt::print(stderr, "kappaflow: error: {}{}\n", who, outcome.error);
+}
+
+/// Tells the other ranks that there is nothing more to do; after an error in the midst of what they do
+/// together they do not listen.
+int end_first_rank(const Outcome& outcome, Ranks& ranks) {
+  explain(outcome);
+  std::fflush(nullptr);
+  if (ranks.busy()) ranks.abort(outcome.exit_code);
+  ranks.announce({RankTask::end});
+  return outcome.exit_code;
+}
+
+/// What is wrong with the command or the scene the first rank says, if it is: this one speaks only if that
+/// has found nothing and begun, or of an error that came later.
+int end_other_rank(const Outcome& outcome, Ranks& ranks) {
+  if (!ranks.ended() && !ranks.begun()) ranks.next_order();
+  if (ranks.ended()) return 0;
+  explain(outcome, fmt::format("rank {}: ", ranks.rank()));
+  std::fflush(nullptr);
+  ranks.abort(outcome.exit_code);
+  return outcome.exit_code;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::unique_ptr<Ranks> ranks;
   try {
-    return parse_and_execute(argc, argv);
-  } catch (const kappaflow::Error& error) {
-    fmt::print(stderr, "kappaflow: error: {}\n", error.what());
+    ranks = ranks_of_program();
+  } catch (const Error& error) {
+    explain({error.exit_code(), error.what()});
     return error.exit_code();
-  } catch (const std::filesystem::filesystem_error& error) {
-    fmt::print(stderr, "kappaflow: error: {}: {}\n", error.path1().string(), error.code().message());
-    return kExitFile;
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "kappaflow: error: {}\n", one_line(error.what()));
-    return kExitUnexpected;
   }
+  if (ranks == nullptr || ranks->size() == 1) {
+    const Outcome outcome = outcome_of(argc, argv, nullptr);
+    explain(outcome);
+    return outcome.exit_code;
+  }
+  if (ranks->rank() == 0) return end_first_rank(outcome_of(argc, argv, ranks.get()), *ranks);
+  if (std::freopen("/dev/null", "w", stdout) == nullptr) return kExitFile;  // the first rank alone speaks
+  return end_other_rank(outcome_of(argc, argv, ranks.get()), *ranks);
 }

@@ -45,10 +45,17 @@ RunSettings settings_for(const RunOptions& begun_with, const std::string& hash, 
 }
 
 /// Makes the first mesh; until it is there nothing is to be saved, and a signal ends the program at once.
-SceneFrames first_frame(PreparedScene prepared, bool quiet) {
-  StatusLine status(!quiet);
+SceneFrames first_frame(PreparedScene prepared, const RunOptions& options) {
+  StatusLine status(!options.quiet);
   status.show("making the first mesh");
-  return SceneFrames(std::move(prepared));
+  return SceneFrames(std::move(prepared), options.ranks);
+}
+
+/// What several ranks share is the liquid alone.
+void require_shareable(const PreparedScene& prepared, const Ranks* ranks) {
+  if (ranks == nullptr || prepared.bodies.empty()) return;
+  throw InvalidInput(fmt::format("{}: [[body]] in a run on {} ranks; rigid bodies move on one rank only",
+                                 prepared.scene.file.string(), ranks->size()));
 }
 
 RunSummary begin(const RunOptions& options) {
@@ -61,12 +68,13 @@ RunSummary begin(const RunOptions& options) {
         fmt::format("{}: no velocity method to track with; name one in [surface] methods or by "
                     "--track, \"material\" where only the liquid matters",
                     scene.file.string()));
+  require_shareable(prepared, options.ranks);
   require_memory(prepared, machine_memory());
   RunOptions begun_with = options;
   begun_with.scene = fs::absolute(options.scene);  // for whoever resumes it from elsewhere
   RunFolder folder(folder_for(options), scene.surface.methods, options.force);
   folder.write_scene(scene.text);
-  SceneFrames frames = first_frame(std::move(prepared), options.quiet);
+  SceneFrames frames = first_frame(std::move(prepared), options);
   const InterruptGuard guard;
   RunDriver driver(frames, folder, settings_for(begun_with, hash, scene), watch);
   folder.write_record(run_record(options, scene, frames));
@@ -88,6 +96,16 @@ PreparedScene resumed_scene(const RunOptions& begun_with, const std::string& has
   return prepared;
 }
 
+/// The scene that this rank shares the liquid of.
+PreparedScene scene_to_follow(const RunOptions& options) {
+  if (options.resume.empty()) return prepare(scene_for(options, load_scene(options.scene)));
+  SavedRun saved(options.resume, kRunCommand);
+  RunOptions begun_with;
+  std::string hash;
+  saved.read(begun_with, hash);
+  return resumed_scene(begun_with, hash, options.resume, options.scene);
+}
+
 RunSummary resume(const RunOptions& options) {
   const Stopwatch watch;
   RunFolder folder(options.resume);
@@ -101,8 +119,9 @@ RunSummary resume(const RunOptions& options) {
   const Scene scene = prepared.scene;
   if (frame == last_frame_of(scene)) return complete_run(folder.path(), frame);
 
+  require_shareable(prepared, options.ranks);
   require_memory(prepared, machine_memory());
-  SceneFrames frames = first_frame(std::move(prepared), options.quiet);
+  SceneFrames frames = first_frame(std::move(prepared), options);
   const InterruptGuard guard;
   RunDriver driver(frames, folder, settings_for(begun_with, hash, scene), watch);
   driver.restore(frame, saved);
@@ -111,6 +130,13 @@ RunSummary resume(const RunOptions& options) {
 }
 
 }  // namespace
+
+void follow_run(const RunOptions& options) {
+  PreparedScene prepared = scene_to_follow(options);
+  if (options.ranks->next_order().task == RankTask::end) return;
+  make_fluid(prepared.scene, std::move(prepared.start), prepared.walls, prepared.bodies, options.ranks)
+      .follow();
+}
 
 RunSummary run_scene(const RunOptions& options) {
   return options.resume.empty() ? begin(options) : resume(options);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "solver/ranks.h"
 #include "tools/io/mesh_formats.h"
 #include "tools/runs/interrupt.h"
 #include "tools/runs/summary.h"
@@ -24,6 +25,7 @@ struct RunOptions {
   bool force = false;                ///< replace a run that the folder already holds
   bool quiet = false;                ///< no progress, no summary
   std::vector<std::string> command;  ///< the command line, for run.json
+  Ranks* ranks = nullptr;            ///< that share the liquid, this being one of them
 
   /// See core/saved_state.h: what a resumed run takes over.
   template <class Archive>
@@ -42,6 +44,9 @@ struct RunOptions {
 /// Throws InvalidInput for a scene that is not the one that the run began with. Where a simulation fails, its
 /// particles are written for inspection.
 RunSummary run_scene(const RunOptions& options);
+
+/// What the ranks above 0 do: their part of the liquid, until the first one is through.
+void follow_run(const RunOptions& options);
 
 /// The same, saying what became of it. Returns the exit code: 0, or 130 or 143 after a signal.
 int run(const RunOptions& options);

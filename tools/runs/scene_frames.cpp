@@ -13,9 +13,9 @@
 
 namespace kappaflow {
 
-SceneFrames::SceneFrames(PreparedScene prepared)
+SceneFrames::SceneFrames(PreparedScene prepared, Ranks* ranks)
     : scene_(prepared.scene),
-      simulation_(std::move(prepared)),
+      simulation_(std::move(prepared), ranks),
       wall_distance_(simulation_.solids_at_start()) {
   if (scene_.fluid.heat) add_temperatures(surfaces());
 }

@@ -13,7 +13,7 @@ namespace kappaflow {
 class SceneFrames : public FrameSource {
  public:
   /// As Simulation.
-  explicit SceneFrames(PreparedScene prepared);
+  explicit SceneFrames(PreparedScene prepared, Ranks* ranks = nullptr);
 
   int last_frame() const override { return last_frame_of(scene_); }
   double time_of(int frame) const override { return frame_time(scene_, frame); }

@@ -17,14 +17,6 @@ namespace {
 constexpr double kTimeTolerance = 1e-12;
 constexpr double kRepairPath = 0.8;  // of a particle from one repair of the mesh to the next [spacing]
 
-/// Lets go of the particles: the solver has a copy of its own.
-FluidSolver make_fluid(const Scene& scene, FluidParticlesAtStart&& particles,
-                       std::span<const SolidWall> walls, std::span<const RigidBody> bodies) {
-  const FluidParticlesAtStart start = std::move(particles);
-  return {scene.fluid, start.position, start.velocity,    walls,
-          start.fluid, start.source,   start.temperature, bodies};
-}
-
 /// A cube of liquid of which more than half is further than sigma from the faces. The liquid with which an
 /// emitter begins is too thin to say what the field will be inside of it.
 std::vector<Vec3> mostly_interior_lattice(const Scene& scene) {
@@ -49,6 +41,13 @@ SurfaceOptions surface_options(const Scene& scene) {
 
 }  // namespace
 
+FluidSolver make_fluid(const Scene& scene, FluidParticlesAtStart&& particles,
+                       std::span<const SolidWall> walls, std::span<const RigidBody> bodies, Ranks* ranks) {
+  const FluidParticlesAtStart start = std::move(particles);
+  return {scene.fluid,  start.position,    start.velocity, walls, start.fluid,
+          start.source, start.temperature, bodies,         ranks};
+}
+
 int last_frame_of(const Scene& scene) {
   return static_cast<int>(std::ceil(scene.duration * scene.output.frames_per_second - 1e-9));
 }
@@ -57,10 +56,10 @@ double frame_time(const Scene& scene, int frame) {
   return std::min(frame / scene.output.frames_per_second, scene.duration);
 }
 
-Simulation::Simulation(PreparedScene prepared)
+Simulation::Simulation(PreparedScene prepared, Ranks* ranks)
     : walls_(std::move(prepared.walls)),
       bodies_(all_solids({}, prepared.bodies)),
-      fluid_(make_fluid(prepared.scene, std::move(prepared.start), walls_, prepared.bodies)),
+      fluid_(make_fluid(prepared.scene, std::move(prepared.start), walls_, prepared.bodies, ranks)),
       surfaces_(fluid_.particles(), surface_options(prepared.scene)),
       tracers_(prepared.scene.output.metrics_interval > 0 ? std::span<const Vec3>(surfaces_.mesh().position)
                                                           : std::span<const Vec3>()),

@@ -16,6 +16,10 @@ int last_frame_of(const Scene& scene);
 /// Of a frame of the scene [s].
 double frame_time(const Scene& scene, int frame);
 
+/// The liquid of a scene; lets go of the particles, of which it has a copy of its own.
+FluidSolver make_fluid(const Scene& scene, FluidParticlesAtStart&& particles,
+                       std::span<const SolidWall> walls, std::span<const RigidBody> bodies, Ranks* ranks);
+
 /// What happened to liquid and surfaces since the last frame.
 struct SimulationReport {
   double density_error_mean = 0, density_error_max = 0;  ///< the largest of FluidStep's
@@ -35,8 +39,9 @@ struct SimulationReport {
 /// SurfaceOptions::motion_per_step.
 class Simulation {
  public:
-  /// Meshes the surface at t = 0. Throws InvalidInput when the surface is empty.
-  explicit Simulation(PreparedScene prepared);
+  /// Meshes the surface at t = 0. ranks: that share the liquid; this is the first one. Throws InvalidInput
+  /// when the surface is empty.
+  explicit Simulation(PreparedScene prepared, Ranks* ranks = nullptr);
 
   /// Called after every solver step; returns whether to go on.
   using Watch = std::function<bool(const FluidStep&)>;
