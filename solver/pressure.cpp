@@ -263,7 +263,9 @@ PressureSolve PressureSolver::solve(FluidParticles& particles, const NeighbourLi
   if (total == 0) return {};  // all of it has flowed out
   const float square_step = time_step * time_step;
   auto& iterate_of = iterates(particles);
-  const float scale = least.empty() ? fit_scale(particles, square_step, bodies) : 1;
+  // A rank without particles has no bounds of their own.
+  const bool never_pulls = max_of_ranks(particles, least.empty() ? 0 : 1) == 0;
+  const float scale = never_pulls ? fit_scale(particles, square_step, bodies) : 1;
   parallel_for(n, [&](std::size_t i) {
     const float kappa = particles.position[i][3];
     iterate_of[i] = {scale * iterate_of[i][kFirstRate], kappa, kappa, 0};
@@ -275,7 +277,7 @@ PressureSolve PressureSolver::solve(FluidParticles& particles, const NeighbourLi
     const double mean_error = progress.error / static_cast<double>(total);
     const bool converged = mean_error <= tolerance && progress.max_error <= kMaxCompression;
     if ((converged && iterations >= min_iterations) || iterations == max_iterations_) {
-      if (least.empty()) fit_scale(particles, square_step, bodies);
+      if (never_pulls) fit_scale(particles, square_step, bodies);
       return {iterations, mean_error, progress.max_error};
     }
     const bool too_long = progress.curved > curvature * progress.moved;
