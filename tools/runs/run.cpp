@@ -145,6 +145,11 @@ RunSummary run_scene(const RunOptions& options) {
 int run(const RunOptions& options) {
   const RunSummary summary = run_scene(options);
   const fs::path folder = options.resume.empty() ? folder_for(options) : options.resume;
+  if (options.ranks != nullptr && !options.quiet) {
+    const RankTraffic sent = options.ranks->traffic();
+    fmt::print("{} ranks, of which the first has sent {} messages of {:.4g} MB together\n",
+               options.ranks->size(), sent.messages, 1e-6 * static_cast<double>(sent.bytes));
+  }
   return run_outcome(summary, kRunCommand, folder, options.quiet);
 }
 

@@ -1,0 +1,249 @@
+// Liquid that several ranks share moves as it does on one.
+#include "solver/ranks.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <sstream>
+
+#include "core/errors.h"
+#include "core/saved_state.h"
+#include "tests/solver/shapes.h"
+#include "tests/solver/thread_ranks.h"
+
+namespace kappaflow {
+namespace {
+
+constexpr double kSpacing = 0.05;
+
+FluidOptions options(double viscosity) {
+  FluidOptions o;
+  o.spacing = kSpacing;
+  o.kinematic_viscosity = viscosity;
+  o.surface_tension = 0.1;
+  return o;
+}
+
+/// A block that falls onto stairs.
+FluidSolver falling_block(double viscosity, Ranks* ranks) {
+  const auto points = test::block({-0.9, 0.55, -0.4}, {0.1, 1.05, 0.4}, kSpacing);
+  const auto walls = solid_walls(test::stairs(2, 0.2, 0.5, 0.8));
+  return {options(viscosity),
+          points,
+          std::vector<Vec3>(points.size(), Vec3(1, -1, 0)),
+          walls,
+          {},
+          {},
+          {},
+          {},
+          ranks};
+}
+
+/// A drop in no gravity that spins, is sheared and vibrates.
+FluidSolver spinning_drop(Ranks* ranks) {
+  FluidOptions o = options(0.5);
+  o.gravity.setZero();
+  const std::vector<Vec3> points = test::blob(0.4, kSpacing);
+  std::vector<Vec3> velocity;
+  for (const Vec3& x : points)
+    velocity.push_back(Vec3(0.3, 0.1, 0) + Vec3(0, 1, 2).cross(x) + Vec3(2 * x.y(), 0, std::sin(9 * x.x())));
+  return {o, points, velocity, {}, {}, {}, {}, {}, ranks};
+}
+
+/// A stream along x into a box, with a ball on its way that takes its middle.
+FluidSolver stream(Ranks* ranks) {
+  FluidOptions o = options(0.01);
+  Emitter e;
+  e.mouth = RectangleMouth{6 * kSpacing, 6 * kSpacing};
+  e.direction = Vec3::UnitX();
+  e.speed = 2;
+  e.source = 4;
+  o.emitters = {e};
+  o.outflows = {{BoxShape{Vec3(0.4, -1, -1), Vec3(1, 1, 1)}}, {SphereShape{Vec3(0.3, 0, 0), 0.06}}};
+  return {o, {}, {}, {}, {}, {}, {}, {}, ranks};
+}
+
+struct Course {
+  Particles particles;
+  int density = 0, divergence = 0, viscosity = 0;  // iterations of all steps
+  double compression = 0;
+};
+
+Course course_of(FluidSolver& fluid, int steps) {
+  Course course;
+  for (int k = 0; k < steps; ++k) {
+    const FluidStep step = fluid.step(1e3);
+    course.density += step.density_iterations;
+    course.divergence += step.divergence_iterations;
+    course.viscosity += step.viscosity_iterations;
+    course.compression = step.density_error_mean;
+  }
+  course.particles = fluid.particles();
+  return course;
+}
+
+Course course_on(int ranks, const std::function<FluidSolver(Ranks*)>& make, int steps) {
+  Course course;
+  on_ranks(ranks, make, [&](FluidSolver& fluid) { course = course_of(fluid, steps); });
+  return course;
+}
+
+/// Root mean square, in spacings.
+double difference(const Particles& a, const Particles& b) {
+  if (a.id != b.id) return INFINITY;
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += (a.position[i] - b.position[i]).squaredNorm();
+  return std::sqrt(sum / static_cast<double>(a.size())) / kSpacing;
+}
+
+Vec3 momentum(const Particles& p) {
+  Vec3 sum = Vec3::Zero();
+  for (const Vec3& v : p.velocity) sum += v;
+  return sum;
+}
+Vec3 angular_momentum(const Particles& p) {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t i = 0; i < p.size(); ++i) sum += p.position[i].cross(p.velocity[i]);
+  return sum;
+}
+
+std::string saved(FluidSolver& fluid) {
+  std::ostringstream bytes;
+  StateWriter(bytes, little_endian())(fluid);
+  return std::move(bytes).str();
+}
+void restore(FluidSolver& fluid, const std::string& bytes) {
+  std::istringstream stream(bytes);
+  StateReader archive(stream);
+  archive(fluid);
+}
+
+// Cells of the viscous preconditioner lie elsewhere on one rank, so that its solves end elsewhere within what
+// is tolerated; on two and four only rounding differs.
+TEST(Ranks, MoveLiquidAsOneDoes) {
+  for (const double viscosity : {0.0, 1e-3, 1.0, 100.0}) {
+    const auto make = [&](Ranks* ranks) { return falling_block(viscosity, ranks); };
+    const Course one = course_on(1, make, 8), two = course_on(2, make, 8), four = course_on(4, make, 8);
+    EXPECT_LT(difference(two.particles, one.particles), viscosity > 0 ? 2e-3 : 2e-4) << viscosity;
+    EXPECT_LT(difference(two.particles, four.particles), 2e-4) << viscosity;
+    EXPECT_NEAR(four.density, one.density, 2) << viscosity;
+    EXPECT_NEAR(four.divergence, one.divergence, 2) << viscosity;
+    EXPECT_NEAR(four.viscosity, one.viscosity, 0.1 * one.viscosity + 2) << viscosity;
+    EXPECT_NEAR(four.compression, one.compression, 0.05 * options(0).density_tolerance) << viscosity;
+  }
+}
+
+TEST(Ranks, GiveTheSameBitsEveryTime) {
+  const auto make = [](Ranks* ranks) { return falling_block(1, ranks); };
+  EXPECT_EQ(course_on(3, make, 5).particles.position, course_on(3, make, 5).particles.position);
+}
+
+// Single precision rounds by 6e-8.
+TEST(Ranks, KeepMomentum) {
+  on_ranks(4, spinning_drop, [](FluidSolver& fluid) {
+    const Particles before = fluid.particles(), after = course_of(fluid, 50).particles;
+    const double mass = static_cast<double>(before.size());
+    EXPECT_LT((momentum(after) - momentum(before)).norm(), 1e-6 * mass);
+    EXPECT_LT((angular_momentum(after) - angular_momentum(before)).norm(), 1e-6 * mass);
+  });
+}
+
+TEST(Ranks, MakeAndTakeParticlesAsOneDoes) {
+  std::vector<std::size_t> taken;
+  on_ranks(1, stream, [&](FluidSolver& fluid) {
+    course_of(fluid, 60);
+    taken = fluid.taken();
+  });
+  on_ranks(3, stream, [&](FluidSolver& fluid) {
+    const Particles after = course_of(fluid, 60).particles;
+    const std::vector<std::size_t> now = fluid.taken();
+    EXPECT_EQ(now.size(), 2u);
+    EXPECT_GT(now[0], 100u);
+    for (std::size_t region = 0; region < 2; ++region)
+      EXPECT_NEAR(static_cast<double>(now[region]), static_cast<double>(taken[region]), 2) << region;
+    EXPECT_EQ(after.size(), fluid.size());
+    EXPECT_EQ(fluid.sources(), std::vector<int>(after.size(), 4));
+  });
+}
+
+TEST(Ranks, GoOnWithWhatAnotherNumberOfThemHasSaved) {
+  const auto make = [](Ranks* ranks) { return falling_block(1e-3, ranks); };
+  std::string bytes;
+  Particles then;
+  on_ranks(4, make, [&](FluidSolver& fluid) {
+    course_of(fluid, 3);
+    bytes = saved(fluid);
+    then = course_of(fluid, 3).particles;
+  });
+  for (const int ranks : {1, 2, 4})
+    on_ranks(ranks, make, [&](FluidSolver& fluid) {
+      restore(fluid, bytes);
+      EXPECT_EQ(fluid.steps(), 3u);
+      const Particles again = course_of(fluid, 3).particles;
+      if (ranks == 4)
+        EXPECT_EQ(again.position, then.position) << "as if never stopped";
+      else
+        EXPECT_LT(difference(again, then), 2e-3) << ranks;
+    });
+}
+
+// Hot liquid beside cold one, two fluids of which one thickens where it is sheared.
+TEST(Ranks, ConductHeatAndShearAsOneDoes) {
+  const auto make = [](Ranks* ranks) {
+    FluidOptions o = options(1e-2);
+    o.more_viscosities = {0.1};
+    o.more_densities = {500};
+    o.rheologies = {HerschelBulkley{.consistency = 1e-2, .index = 1.5}};
+    o.heat.emplace();
+    o.heat->fluids = {{.specific_heat = 1, .conductivity = 100}, {.specific_heat = 2, .conductivity = 50}};
+    const auto points = test::block({0, 0.05, 0}, {0.9, 0.45, 0.4}, kSpacing);
+    std::vector<Vec3> velocity;
+    std::vector<std::uint8_t> fluid;
+    std::vector<double> temperature;
+    for (const Vec3& x : points) {
+      velocity.emplace_back(std::sin(5 * x.y()), 0, 0);
+      fluid.push_back(x.y() > 0.25);
+      temperature.push_back(300 + 100 * x.x());
+    }
+    return FluidSolver(o, points, velocity, {}, fluid, {}, temperature, {}, ranks);
+  };
+  std::vector<double> of_one;
+  Course one;
+  for (const int ranks : {1, 3})
+    on_ranks(ranks, make, [&](FluidSolver& fluid) {
+      const Course course = course_of(fluid, 5);
+      const std::vector<double> temperature = fluid.temperatures();
+      if (ranks == 1) one = course, of_one = temperature;
+      EXPECT_LT(difference(course.particles, one.particles), 2e-3);
+      EXPECT_NEAR(course.viscosity, one.viscosity, 0.1 * one.viscosity + 2);
+      for (std::size_t i = 0; i < temperature.size(); ++i) EXPECT_NEAR(temperature[i], of_one[i], 0.05);
+    });
+}
+
+TEST(Ranks, AllFindThatTheLiquidFails) {
+  const auto make = [](Ranks* ranks) {
+    FluidOptions o = options(0);
+    o.min_time_step = o.max_time_step = 1e-3;
+    const auto points = test::block({0, 0, 0}, {0.5, 0.5, 0.5}, kSpacing);
+    std::vector<Vec3> velocity(points.size(), Vec3::Zero());
+    velocity[7] = Vec3(1e4, 0, 0);
+    return FluidSolver(o, points, velocity, {}, {}, {}, {}, {}, ranks);
+  };
+  std::string of_one;
+  for (const int ranks : {1, 3})
+    on_ranks(ranks, make, [&](FluidSolver& fluid) {
+      try {
+        fluid.step(1);
+        ADD_FAILURE() << "it went on";
+      } catch (const SolverFailure& failure) {
+        if (ranks == 1) of_one = failure.what();
+        EXPECT_EQ(failure.what(), of_one);
+        EXPECT_NE(of_one.find("particle 7 "), std::string::npos) << of_one;
+      }
+      EXPECT_EQ(fluid.particles().size(), 1000u) << "to look at";
+    });
+}
+
+}  // namespace
+}  // namespace kappaflow

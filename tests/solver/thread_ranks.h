@@ -1,0 +1,100 @@
+// Ranks that are threads of one process: the solver's work among several, without MPI.
+#pragma once
+
+#include <algorithm>
+#include <barrier>
+#include <functional>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "solver/fluid_solver.h"
+#include "solver/ranks.h"
+
+namespace kappaflow {
+
+/// What the threads hold out to each other.
+struct RankBoard {
+  explicit RankBoard(int size) : barrier(size), own(size), sent(size) {}
+
+  std::barrier<> barrier;
+  std::vector<std::span<const std::byte>> own;
+  std::vector<std::span<const Parcel>> sent;
+};
+
+class ThreadRanks : public Ranks {
+ public:
+  ThreadRanks(RankBoard& board, int rank) : board_(board), rank_(rank) {}
+
+  int rank() const override { return rank_; }
+  int size() const override { return static_cast<int>(board_.own.size()); }
+  RankTraffic traffic() const override { return {}; }
+
+  void gather(std::span<const std::byte> own, std::span<const std::size_t>,
+              std::span<std::byte> all) override {
+    hold_out(own, [&] { copy_all(all); });
+  }
+  void gather_to_first(std::span<const std::byte> own, std::span<const std::size_t>,
+                       std::span<std::byte> all) override {
+    hold_out(own, [&] {
+      if (rank_ == 0) copy_all(all);
+    });
+  }
+  void exchange(std::span<const Parcel> sent, std::span<const Parcel> received) override {
+    board_.sent[rank_] = sent;
+    board_.barrier.arrive_and_wait();
+    for (const Parcel& parcel : received) {
+      const auto from = board_.sent[parcel.rank];
+      const auto it = std::ranges::find(from, rank_, &Parcel::rank);
+      std::ranges::copy(it->bytes, parcel.bytes.begin());
+    }
+    board_.barrier.arrive_and_wait();
+  }
+  void broadcast(std::span<std::byte> bytes) override {
+    hold_out(bytes, [&] {
+      if (rank_ != 0) std::ranges::copy(board_.own[0], bytes.begin());
+    });
+  }
+  void abort(int) override { std::terminate(); }
+
+ protected:
+  void tell(std::span<std::byte> bytes) override { broadcast(bytes); }
+
+ private:
+  template <class Work>
+  void hold_out(std::span<const std::byte> own, const Work& work) {
+    board_.own[rank_] = own;
+    board_.barrier.arrive_and_wait();
+    work();
+    board_.barrier.arrive_and_wait();
+  }
+  void copy_all(std::span<std::byte> all) const {
+    auto to = all.begin();
+    for (const auto& own : board_.own) to = std::ranges::copy(own, to).out;
+  }
+
+  RankBoard& board_;
+  int rank_;
+};
+
+/// Makes a solver on each of `size` ranks, and calls `work` with the first one's; on one without any ranks.
+inline void on_ranks(int size, const std::function<FluidSolver(Ranks*)>& make,
+                     const std::function<void(FluidSolver&)>& work) {
+  if (size == 1) {
+    FluidSolver fluid = make(nullptr);
+    return work(fluid);
+  }
+  RankBoard board(size);
+  std::vector<std::jthread> others;
+  for (int rank = 1; rank < size; ++rank)
+    others.emplace_back([&, rank] {
+      ThreadRanks ranks(board, rank);
+      if (ranks.next_order().task == RankTask::make) make(&ranks).follow();
+    });
+  ThreadRanks ranks(board, 0);
+  FluidSolver fluid = make(&ranks);
+  work(fluid);
+  ranks.announce({RankTask::end});
+}
+
+}  // namespace kappaflow
