@@ -1,0 +1,88 @@
+# Runs on several ranks, started by mpirun: the same bits every time and on any number of threads, checkpoints, refusals
+# and a rank that dies. What the ranks compute is held against one rank by tests/solver/ranks_test.cpp.
+#   cmake -DPROGRAM=... -DMPIRUN=... -DSOURCE_DIR=... -DFOLDER=... -P ranks.cmake
+cmake_minimum_required(VERSION 3.25)
+# More ranks than cores, also as root.
+set(ENV{OMPI_ALLOW_RUN_AS_ROOT} 1)
+set(ENV{OMPI_ALLOW_RUN_AS_ROOT_CONFIRM} 1)
+set(scene ${SOURCE_DIR}/scenes/staircase-small.toml)
+file(REMOVE_RECURSE ${FOLDER})
+file(MAKE_DIRECTORY ${FOLDER})
+
+# ranks(NUMBER EXIT_CODE WORDS...): the program's words; leaves what it says in `said`.
+function(ranks number expected)
+  execute_process(COMMAND ${MPIRUN} --oversubscribe --bind-to none -n ${number} ${PROGRAM} ${ARGN}
+                  WORKING_DIRECTORY ${FOLDER} RESULT_VARIABLE code ERROR_VARIABLE text OUTPUT_VARIABLE output TIMEOUT 60)
+  if(NOT code STREQUAL expected)
+    message(FATAL_ERROR "mpirun -n ${number} kappaflow ${ARGN}: ${code}, not ${expected}\n${output}${text}")
+  endif()
+  set(said "${text}" PARENT_SCOPE)
+endfunction()
+
+function(expect_said line)
+  string(REGEX MATCHALL "kappaflow: error" errors "${said}")
+  list(LENGTH errors count)
+  if(NOT said MATCHES "${line}" OR NOT count EQUAL 1)
+    message(FATAL_ERROR "not said, or not once: ${line}\n${said}")
+  endif()
+endfunction()
+
+function(expect_same a b)
+  file(GLOB files RELATIVE ${FOLDER}/${a} ${FOLDER}/${a}/particles/*.vtp ${FOLDER}/${a}/surface-*/*.vtp)
+  list(LENGTH files count)
+  if(count EQUAL 0)
+    message(FATAL_ERROR "${a}: no frames")
+  endif()
+  foreach(file IN LISTS files)
+    file(SHA256 ${FOLDER}/${a}/${file} of_a)
+    file(SHA256 ${FOLDER}/${b}/${file} of_b)
+    if(NOT of_a STREQUAL of_b)
+      message(FATAL_ERROR "${file} differs between ${a} and ${b}")
+    endif()
+  endforeach()
+endfunction()
+
+set(short --track material --quiet --duration 0.08)
+ranks(4 0 run ${scene} ${short} --threads 1 --out once)
+ranks(4 0 run ${scene} ${short} --threads 2 --out again)
+expect_same(once again)
+
+# Alone under mpirun it is the program as it is without.
+ranks(1 0 run ${scene} ${short} --out one)
+execute_process(COMMAND ${PROGRAM} run ${scene} ${short} --out without WORKING_DIRECTORY ${FOLDER} COMMAND_ERROR_IS_FATAL ANY)
+expect_same(one without)
+
+# Interrupted: the scene goes on for longer than it is let.
+execute_process(COMMAND sh -c "
+  ${MPIRUN} --oversubscribe --bind-to none -n 4 ${PROGRAM} run ${scene} --track material --quiet --threads 1 --out stopped &
+  while [ ! -e stopped/particles/particles_0002.vtp ]; do sleep 0.05; done
+  kill -TERM $(ps -o pid= --ppid $! | head -1); wait $!" WORKING_DIRECTORY ${FOLDER} RESULT_VARIABLE code ERROR_VARIABLE said TIMEOUT 60)
+if(NOT code EQUAL 143 OR NOT said MATCHES "kappaflow run --resume stopped goes on")
+  message(FATAL_ERROR "interrupted: ${code}\n${said}")
+endif()
+file(COPY ${FOLDER}/stopped/ DESTINATION ${FOLDER}/onward)
+file(COPY ${FOLDER}/stopped/ DESTINATION ${FOLDER}/alone)
+ranks(4 0 run --resume stopped --quiet --threads 1)
+ranks(4 0 run ${scene} --track material --quiet --threads 1 --out whole)
+expect_same(whole stopped)
+ranks(2 0 run --resume onward --quiet --threads 1)
+execute_process(COMMAND ${PROGRAM} run --resume alone --quiet WORKING_DIRECTORY ${FOLDER} COMMAND_ERROR_IS_FATAL ANY)
+
+# One line says what is wrong, whoever finds it.
+ranks(3 2 run missing.toml)
+expect_said("missing.toml: no such file")
+ranks(2 2 run ${scene} --threads)
+expect_said("--threads")
+ranks(2 2 run ${SOURCE_DIR}/scenes/sphere-in-honey.toml --out body)
+expect_said("rigid bodies move on one rank only")
+ranks(2 2 check ${scene})
+expect_said("only kappaflow run works on several ranks")
+
+# A rank that dies takes the others along.
+execute_process(COMMAND sh -c "
+  ${MPIRUN} --oversubscribe --bind-to none -n 3 ${PROGRAM} run ${SOURCE_DIR}/scenes/slab.toml --track material --quiet --threads 1 --out killed &
+  while [ ! -e killed/checkpoint.bin ]; do sleep 0.05; done
+  kill -KILL $(ps -o pid= --ppid $! | tail -1); wait $!" WORKING_DIRECTORY ${FOLDER} RESULT_VARIABLE code ERROR_VARIABLE said TIMEOUT 60)
+if(NOT code EQUAL 137)
+  message(FATAL_ERROR "killed: ${code}\n${said}")
+endif()
