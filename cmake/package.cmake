@@ -21,7 +21,7 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME kappaflow)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "gnuplot-nox | gnuplot, xvfb, xauth, ffmpeg")  # plots, pictures, films
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "gnuplot-nox | gnuplot, xvfb, xauth, ffmpeg, openmpi-bin")  # plots, pictures, films, ranks
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION
 "Simulates viscous liquids with particles and carries one textured triangle
 mesh along on the implicit surface that they define, by several velocity

@@ -19,7 +19,8 @@ set(KAPPAFLOW_PUBLIC_HEADERS
     surface/tracker/rest_grid.h
     surface/tracker/rest_pair.h surface/tracker/surface_group.h surface/tracker/surface_methods.h surface/tracker/surface_options.h surface/tracker/surface_tracker.h
     surface/tracker/tracked_surfaces.h surface/tracker/tracker_options.h
-    solver/emitter.h solver/emitter_flow.h solver/fluid_solver.h solver/heat_options.h solver/options.h solver/rheology.h
+    solver/emitter.h solver/emitter_flow.h solver/fluid_solver.h solver/heat_options.h solver/options.h solver/ranks.h
+    solver/rheology.h
     solver/rigid_body.h solver/temperature_law.h
     scenes/estimate.h scenes/prepared_scene.h scenes/scene.h scenes/view.h
     tools/io/files.h tools/io/particle_frame.h tools/io/pvd.h tools/io/vtp_files.h)

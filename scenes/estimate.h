@@ -18,8 +18,9 @@ struct SceneEstimate {
   double vertices = 0;                 ///< of one surface, when it has the most
   double seconds = 0;                  ///< wall time
 };
-/// threads: on which the run will be, >= 1. The models and their constants stand in estimate.cpp; seconds are
+/// threads: on which the run will be, >= 1. share: of the liquid that the first rank's machine holds, where
+/// several share it (docs/scaling.md). The models and their constants stand in estimate.cpp; seconds are
 /// good to a factor of about two, but for thin threads of thick liquid: docs/performance.md.
-SceneEstimate estimate(const PreparedScene& prepared, int threads);
+SceneEstimate estimate(const PreparedScene& prepared, int threads, double share = 1);
 
 }  // namespace kappaflow

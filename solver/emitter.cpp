@@ -257,7 +257,7 @@ bool Emitters::add_due(FluidParticles& particles, std::size_t index, double time
     if (const Vec3 x = p.head<3>().cast<double>(); (x - mouth).norm() < reach + clearance) near_.push_back(x);
   if (particles.halo != nullptr) near_ = particles.halo->ranks().gathered(near_);
 
-  const std::size_t before = particles.size();
+  const std::size_t before = particles.source.size();
   for (const Vec3& rest : due_) {
     const Vec3 x = pose * rest, beside = rest - e.position;
     if (std::ranges::any_of(near_, [&](const Vec3& other) { return (other - x).norm() < clearance; }))
@@ -269,7 +269,7 @@ bool Emitters::add_due(FluidParticles& particles, std::size_t index, double time
     else
       particles.source.push_back(e.source);
   }
-  return particles.size() > before;
+  return particles.source.size() > before;
 }
 
 bool Emitters::emit(FluidParticles& particles, double time) {

@@ -106,6 +106,18 @@ void FluidSolver::State::check_finite() const {
                   options.cfl, options.max_time_step));
 }
 
+/// After particles were moved apart.
+void FluidSolver::State::check_positions() const {
+  const auto lost = [this](std::size_t i) {
+    return particles.position[i].head<3>().allFinite() ? 0.0f : 1.0f;
+  };
+  if (max_of_ranks(particles, parallel_max(particles.size(), 0.0f, lost)) == 0) return;
+  throw SolverFailure(
+      time, steps + 1, worst_particle(particles, lost),
+      fmt::format("its position is not finite; try a smaller cfl (now {}) or max_time_step (now {} s)",
+                  options.cfl, options.max_time_step));
+}
+
 void FluidSolver::State::check_heat(const HeatSolve& solve) const {
   if (!solve.sound) {
     const FailedParticle coldest = worst_particle(

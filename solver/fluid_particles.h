@@ -139,6 +139,13 @@ struct FluidParticles {
     if (!temperature.empty()) keep_in(temperature);
   }
 
+  /// Gives back what many more particles have taken.
+  void shrink() {
+    const auto in_each = [](auto&... arrays) { (arrays.shrink_to_fit(), ...); };
+    in_each(id, position, velocity, viscous_velocity, viscous_acceleration, density_pressure,
+            divergence_pressure, least_pressure, fluid, led_by, temperature);
+  }
+
   std::size_t bytes() const {
     return bytes_of(id, position, velocity, viscous_velocity, viscous_acceleration, density_pressure,
                     divergence_pressure, least_pressure, fluid, led_by, temperature, source, density,

@@ -1,8 +1,8 @@
 // What a solver says of itself, and how it is saved; with several ranks, the first one asks the others.
 #include <limits>
-#include <sstream>
 
 #include "core/saved_state.h"
+#include "solver/broadcast_state.h"
 #include "solver/fluid_state.h"
 
 namespace kappaflow {
@@ -60,17 +60,8 @@ void FluidSolver::State::restart() {
 /// What the first rank has read: it keeps the particles until they go to where they belong, and tells the
 /// others the rest.
 void FluidSolver::State::share_restored() {
-  std::ostringstream written;
-  if (ranks->rank() == 0)
-    StateWriter(written, little_endian())(time, steps, fastest, particles.source, emitters);
-  const std::string text = std::move(written).str();
-  std::vector<char> bytes(text.begin(), text.end());
-  ranks->broadcast_values(bytes);
-  if (ranks->rank() == 0) return;
-  std::istringstream read(std::string(bytes.begin(), bytes.end()));
-  StateReader archive(read);
-  archive(time, steps, fastest, particles.source, emitters);
-  particles.keep({});
+  broadcast_state(*ranks, time, steps, fastest, particles.source, emitters);
+  if (ranks->rank() > 0) particles.keep({});
 }
 
 template <class Archive>
@@ -99,19 +90,16 @@ void FluidSolver::follow() {
     const RankOrder order = s.ranks->next_order();
     switch (order.task) {
       case RankTask::step:
-        try {
-          s.step(order.value);
-        } catch (const SolverFailure&) {
-          // The first rank has found the same, and says so.
-        }
+        s.together(order, [&] { s.step(order.value); });
         break;
       case RankTask::collect_motion:
       case RankTask::collect_all:
         s.collect(order.task == RankTask::collect_motion);
         break;
       case RankTask::restore:
-        s.restart();
+        s.together(order, [&] { s.restart(); });
         break;
+      case RankTask::resume:
       case RankTask::make:
       case RankTask::end:
         return;
@@ -119,10 +107,15 @@ void FluidSolver::follow() {
   }
 }
 
+bool FluidSolver::can_be_asked() const {
+  return state_->ranks == nullptr || !state_->ranks->busy();
+}
+
 SolverMemory FluidSolver::memory() const {
   const State& s = *state_;
   return {s.particles.bytes() + s.whole.bytes() + s.search.bytes() + s.neighbours.bytes() +
-              s.wall_sums.bytes() + s.viscosity.bytes() + s.heat.bytes() + s.bodies.bytes(),
+              s.wall_sums.bytes() + s.viscosity.bytes() + s.heat.bytes() + s.bodies.bytes() +
+              (s.halo != nullptr ? s.halo->bytes() : 0),
           s.walls.bytes(), s.walls.size()};
 }
 

@@ -44,12 +44,13 @@ FluidSolver::FluidSolver(const FluidOptions& options, std::span<const Vec3> posi
       options, Walls(wall_bodies(walls, rules, bodies, options.spacing), static_cast<float>(options.spacing)),
       std::move(rigid), std::move(collisions), ranks);
   FluidParticles& particles = state_->particles;
-  particles = particles_at_start(position, velocity, fluid, source);
+  if (ranks == nullptr || ranks->rank() == 0) {
+    particles = particles_at_start(position, velocity, fluid, source);
+    if (options.heat) particles.temperature.assign(position.size(), options.heat->temperature);
+    std::ranges::copy(temperature, particles.temperature.begin());
+  }
   particles.halo = state_->halo.get();
   particles.mass_of_fluid = masses_of_fluids(options);
-  if (options.heat) particles.temperature.assign(position.size(), options.heat->temperature);
-  std::ranges::copy(temperature, particles.temperature.begin());
-  if (!is_first_rank(particles)) particles.keep({});  // they come from the first
   state_->together({RankTask::make}, [this] { state_->begin(); });
 }
 
@@ -65,6 +66,7 @@ FluidStep FluidSolver::step(double time_left) {
 
 /// Puts the first particles where they belong.
 void FluidSolver::State::begin() {
+  if (ranks != nullptr) ranks->broadcast_values(particles.source);
   emit(0);
   if (sum_of_ranks(particles, particles.size()) == 0)
     throw InvalidInput("fluid: there are no particles at the start");
@@ -173,6 +175,7 @@ void FluidSolver::State::place_bodies() {
 // Returns the iterations it took.
 int FluidSolver::State::move_apart(double tolerance) {
   const PressureSolve solve = pressure.move_apart(particles, neighbours, tolerance);
+  check_positions();
   find_neighbours();
   sum_walls();
   return solve.iterations;

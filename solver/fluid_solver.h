@@ -61,7 +61,8 @@ class FluidSolver {
   /// [K]; empty: that of HeatOptions. bodies: rigid ones that liquid moves; a body may touch walls and other
   /// bodies, and should not begin in them. Throws InvalidInput for options out of range, particles inside a
   /// wall or a body, or when there is no particle at t = 0. ranks: the processes that share the liquid, each
-  /// of which makes a solver of the same arguments; there are no bodies then.
+  /// of which makes a solver of the same options and walls; the particles are the first one's, and there are
+  /// no bodies then.
   FluidSolver(const FluidOptions& options, std::span<const Vec3> position, std::span<const Vec3> velocity,
               std::span<const SolidWall> walls, std::span<const std::uint8_t> fluid = {},
               std::span<const int> source = {}, std::span<const double> temperature = {},
@@ -76,6 +77,10 @@ class FluidSolver {
   /// particle by ten spacings. After an exception particles() and the like say where it failed, but the
   /// solver can go no further.
   FluidStep step(double time_left);
+
+  /// Whether ranks that share the liquid can still be asked for it, after an error: not where only one of
+  /// them has met it.
+  bool can_be_asked() const;
 
   /// Of ranks above 0, which nothing else is asked of: does with the first rank what that is asked to do,
   /// until it says that there is nothing more.

@@ -41,7 +41,6 @@ struct FluidSolver::State {
         gravity(o.gravity_in_time()),
         ranks(r) {
     if (ranks != nullptr) halo = std::make_unique<Halo>(*ranks, o.spacing, o.heat.has_value());
-    particles.halo = halo.get();
   }
 
   void begin();
@@ -58,6 +57,7 @@ struct FluidSolver::State {
   int relieve_squeezed();
   double time_step(double time_left) const;
   void check_finite() const;
+  void check_positions() const;
   void check_heat(const HeatSolve& solve) const;
   void check_viscosity(const ViscositySolve& solve) const;
   void check_pressure(const PressureSolve& solve, const char* solver, double tolerance) const;
@@ -101,17 +101,21 @@ struct FluidSolver::State {
   FluidParticles whole;
 };
 
-/// What all ranks do when the first one begins it, and the others follow. An error of the liquid's, which all
-/// find, ends it as well; any other leaves the ranks out of step.
+/// What all ranks do when the first one begins it, and the others follow. An error of the liquid's all of
+/// them find; the first one has it. Any other leaves the ranks out of step.
 template <class Work>
 void FluidSolver::State::together(const RankOrder& order, const Work& work) {
   if (ranks == nullptr) return work();
-  if (ranks->rank() == 0) ranks->announce(order);
+  const bool first = ranks->rank() == 0;
+  if (first) ranks->announce(order);
   try {
     work();
   } catch (const SolverFailure&) {
     ranks->finish();
-    throw;
+    if (first) throw;
+  } catch (const InvalidInput&) {  // of begin()
+    ranks->finish();
+    if (first) throw;
   }
   ranks->finish();
 }

@@ -15,6 +15,7 @@ namespace {
 constexpr float kMargin = 0.01f;      // [spacings]
 constexpr float kRounding = 1e-6f;    // of a position
 constexpr std::size_t kChunk = 1024;  // particles that one task looks at
+constexpr std::size_t kRoom = 2;      // times a rank's particles, that their arrays may have
 
 template <class T>
 void append(std::vector<std::byte>& bytes, const std::vector<T>& values,
@@ -83,6 +84,7 @@ void Halo::migrate(FluidParticles& particles) {
     const std::size_t count = package.size() / width;
     FluidParticles::for_state(heat_, [&](auto member) { take(left, count, particles.*member); });
   }
+  if (particles.id.capacity() > kRoom * particles.size()) particles.shrink();
   own_ = particles.size();
   counts_ = ranks_.one_of_each(own_);
   total_ = std::accumulate(counts_.begin(), counts_.end(), std::size_t{0});

@@ -26,8 +26,7 @@ class Halo {
 
   Ranks& ranks() const { return ranks_; }
   const LiquidCut& cut() const { return cut_; }
-  std::size_t total() const { return total_; }                     ///< particles of all ranks
-  std::span<const std::size_t> counts() const { return counts_; }  ///< of each rank
+  std::size_t total() const { return total_; }      ///< particles of all ranks
   const CellGrid& ghosts() const { return grid_; }  ///< in its order they stand behind the own particles
 
   /// Cuts the liquid anew and brings every particle to its rank. Precondition: no ghosts.

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
+#include <numeric>
 #include <span>
 #include <utility>
 #include <vector>
@@ -42,21 +45,32 @@ class RankCells {
   }
   template <class T, class Range>
   void complete_ranges(std::vector<T>& values, const Range& range_of) const {
-    std::vector<std::size_t> counts(first_.size() - 1, 0);
-    for (std::size_t r = 0; r < counts.size(); ++r)
-      for (const std::uint32_t cell : cells_of(r)) counts[r] += range_of(cell).second - range_of(cell).first;
-    std::vector<T> own;
-    for (const std::uint32_t cell : cells_of(static_cast<std::size_t>(ranks_->rank())))
-      own.insert(own.end(), values.begin() + range_of(cell).first, values.begin() + range_of(cell).second);
-    const std::vector<T> all = ranks_->gathered(std::span<const T>(own), counts);
-    auto from = all.begin();
-    for (const std::uint32_t cell : cells_)
-      for (auto [k, end] = range_of(cell); k < end; ++k) values[k] = *from++;
+    std::vector<std::size_t> sizes(first_.size() - 1, 0);
+    for (std::size_t r = 0; r < sizes.size(); ++r)
+      for (const std::uint32_t cell : cells_of(r))
+        sizes[r] += sizeof(T) * (range_of(cell).second - range_of(cell).first);
+    const std::size_t rank = static_cast<std::size_t>(ranks_->rank());
+    own_.resize(sizes[rank]);
+    all_.resize(std::accumulate(sizes.begin(), sizes.end(), std::size_t{0}));
+    std::byte* to = own_.data();
+    for (const std::uint32_t cell : cells_of(rank)) {
+      const auto [begin, end] = range_of(cell);
+      std::memcpy(to, static_cast<const void*>(values.data() + begin), sizeof(T) * (end - begin));
+      to += sizeof(T) * (end - begin);
+    }
+    ranks_->gather(own_, sizes, all_);
+    const std::byte* from = all_.data();
+    for (const std::uint32_t cell : cells_) {
+      const auto [begin, end] = range_of(cell);
+      std::memcpy(static_cast<void*>(values.data() + begin), from, sizeof(T) * (end - begin));
+      from += sizeof(T) * (end - begin);
+    }
   }
 
   Ranks* ranks_;
   std::vector<std::uint32_t> cells_;  // rank by rank
   std::vector<std::size_t> first_;    // where each rank's begin, and the end
+  mutable std::vector<std::byte> own_, all_;
 };
 
 inline void RankCells::merge(std::vector<std::uint64_t>& keys) {

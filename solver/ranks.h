@@ -11,7 +11,7 @@
 namespace kappaflow {
 
 /// What the other ranks are to do together with rank 0, which alone is asked by anybody.
-enum class RankTask : std::int64_t { end, make, step, collect_motion, collect_all, restore };
+enum class RankTask : std::int64_t { end, resume, make, step, collect_motion, collect_all, restore };
 
 struct RankOrder {
   RankTask task = RankTask::end;
@@ -48,6 +48,8 @@ class Ranks {
 
   virtual int rank() const = 0;
   virtual int size() const = 0;
+  /// Of them, this one among these.
+  virtual int on_this_machine() const = 0;
   virtual RankTraffic traffic() const = 0;
 
   /// all = what every rank gives, in their order; sizes: of each rank's [bytes].

@@ -178,38 +178,44 @@ void MomentumBalance::restore(const RigidMultigrid& multigrid, const ViscousForc
   std::iota(order_.begin(), order_.end(), 0u);
   std::ranges::sort(order_, {}, [this](std::uint32_t cell) { return std::pair(component_[cell], cell); });
   if (multigrid.any_led()) fill_ghosts(particles, v);
-  std::vector<Balance> balances;
-  for_components(order_, component_, [&](std::span<const std::uint32_t> cells) {
-    const Vec3 centre = in_double(multigrid.finest().centre[cells.front()]);
-    const auto arm = [&](std::size_t i) -> Vec3 { return in_double(particles.position[i]) - centre; };
+  const auto centre_of = [&](std::span<const std::uint32_t> cells) -> Vec3 {
+    return in_double(multigrid.finest().centre[cells.front()]);
+  };
+  const auto find_balance = [&](std::span<const std::uint32_t> cells) {
+    const Vec3 centre = centre_of(cells);
     const auto balance_of = [&](std::size_t k) {
       Balance sum;
       multigrid.for_particles(cells[k], [&](std::size_t i) {
-        particle.add_to(sum, i, arm(i));
-        if (multigrid.any_led()) particle.add_led(sum, i, arm(i));
+        const Vec3 arm = in_double(particles.position[i]) - centre;
+        particle.add_to(sum, i, arm);
+        if (multigrid.any_led()) particle.add_led(sum, i, arm);
       });
       return sum;
     };
-    balances.push_back(parallel_sum(cells.size(), Balance(), balance_of, kBalanceGrain));
-  });
-  if (particles.halo != nullptr) sum_over_ranks(balances, particles.halo->ranks());
-  std::size_t next = 0;
-  for_components(order_, component_, [&](std::span<const std::uint32_t> cells) {
-    const Vec3 centre = in_double(multigrid.finest().centre[cells.front()]);
-    const auto arm = [&](std::size_t i) -> Vec3 { return in_double(particles.position[i]) - centre; };
-    Balance& balance = balances[next++];
+    return parallel_sum(cells.size(), Balance(), balance_of, kBalanceGrain);
+  };
+  const auto correct = [&](std::span<const std::uint32_t> cells, Balance balance) {
+    const Vec3 centre = centre_of(cells);
     for (std::size_t b = 0; b < bodies.bodies(); ++b)
       if (component_of_body_[b] == component_[cells.front()])
         balance.resistance -= bodies.yielding(b, centre);
     const Vector6 q = balance.solve(inertia);
-    parallel_for(
-        cells.size(),
-        [&](std::size_t k) {
-          multigrid.for_particles(
-              cells[k], [&](std::size_t i) { v[i] += padded(q.head<3>() + q.tail<3>().cross(arm(i))); });
-        },
-        kBalanceGrain);
-  });
+    const auto correct_in_cell = [&](std::size_t k) {
+      multigrid.for_particles(cells[k], [&](std::size_t i) {
+        v[i] += padded(q.head<3>() + q.tail<3>().cross(in_double(particles.position[i]) - centre));
+      });
+    };
+    parallel_for(cells.size(), correct_in_cell, kBalanceGrain);
+  };
+  if (particles.halo == nullptr) {
+    for_components(order_, component_, [&](const auto& cells) { correct(cells, find_balance(cells)); });
+    return;
+  }
+  std::vector<Balance> balances;
+  for_components(order_, component_, [&](const auto& cells) { balances.push_back(find_balance(cells)); });
+  sum_over_ranks(balances, particles.halo->ranks());
+  auto balance = balances.begin();
+  for_components(order_, component_, [&](const auto& cells) { correct(cells, *balance++); });
 }
 
 }  // namespace kappaflow

@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <sstream>
 
 #include "core/errors.h"
@@ -219,6 +221,50 @@ TEST(Ranks, ConductHeatAndShearAsOneDoes) {
       EXPECT_NEAR(course.viscosity, one.viscosity, 0.1 * one.viscosity + 2);
       for (std::size_t i = 0; i < temperature.size(); ++i) EXPECT_NEAR(temperature[i], of_one[i], 0.05);
     });
+}
+
+// Lava: a block with a yield stress, thinner where it is hot, cools in air on a hot floor that carries it
+// along.
+TEST(Ranks, CoolAndYieldOnAMovingWallAsOneDoes) {
+  const auto make = [](Ranks* ranks) {
+    FluidOptions o = options(1);
+    o.rheologies = {HerschelBulkley{.yield_stress = 1, .consistency = 1, .index = 0.7}};
+    o.temperature_laws = {Arrhenius{.activation_energy = 5e4, .reference_temperature = 1400}};
+    o.heat.emplace();
+    o.heat->temperature = 1400;
+    o.heat->fluids = {{.specific_heat = 1, .conductivity = 100}};
+    o.heat->walls = {{WallHeat::Kind::temperature, 1600}};
+    o.heat->convection = 5;
+    o.heat->emissivity = 0.1;
+    BodyMotion motion;
+    motion.keys = {{0, Vec3(1, 0, 0), 0}};
+    const std::vector<TriangleSurface> floor{test::box_surface({-1, -0.3, -1}, {2, 0, 2})};
+    const auto points = test::block({0, 0.025, 0}, {0.9, 0.325, 0.6}, kSpacing);
+    return FluidSolver(o, points, std::vector<Vec3>(points.size(), Vec3::Zero()),
+                       solid_walls(floor, std::vector{motion}), {}, {}, {}, {}, ranks);
+  };
+  std::map<int, Course> course;
+  std::map<int, std::vector<double>> temperature;
+  for (const int ranks : {1, 2, 3})
+    on_ranks(ranks, make, [&](FluidSolver& fluid) {
+      course[ranks] = course_of(fluid, 8);
+      temperature[ranks] = fluid.temperatures();
+    });
+  const auto temperature_difference = [&](int a, int b) {
+    double square = 0;
+    for (std::size_t i = 0; i < temperature[a].size(); ++i)
+      square += std::pow(temperature[a][i] - temperature[b][i], 2);
+    return std::sqrt(square / static_cast<double>(temperature[a].size()));
+  };
+  EXPECT_LT(difference(course[2].particles, course[1].particles), 2e-3);
+  EXPECT_LT(difference(course[2].particles, course[3].particles), 2e-4);
+  EXPECT_LT(temperature_difference(2, 1), 0.2) << "of 200 K";
+  EXPECT_LT(temperature_difference(2, 3), 0.02) << "of 200 K";
+  EXPECT_NEAR(course[2].viscosity, course[1].viscosity, 0.1 * course[1].viscosity + 2);
+  const auto [coldest, hottest] = std::ranges::minmax(temperature[2]);
+  EXPECT_LT(coldest, 1399);
+  EXPECT_GT(hottest, 1401);
+  EXPECT_GT(momentum(course[2].particles).x(), 1) << "carried along";
 }
 
 TEST(Ranks, AllFindThatTheLiquidFails) {

@@ -28,6 +28,7 @@ class ThreadRanks : public Ranks {
 
   int rank() const override { return rank_; }
   int size() const override { return static_cast<int>(board_.own.size()); }
+  int on_this_machine() const override { return size(); }
   RankTraffic traffic() const override { return {}; }
 
   void gather(std::span<const std::byte> own, std::span<const std::size_t>,
@@ -78,8 +79,9 @@ class ThreadRanks : public Ranks {
 };
 
 /// Makes a solver on each of `size` ranks, and calls `work` with the first one's; on one without any ranks.
+/// Ends the program where one of them throws: the others would wait for it.
 inline void on_ranks(int size, const std::function<FluidSolver(Ranks*)>& make,
-                     const std::function<void(FluidSolver&)>& work) {
+                     const std::function<void(FluidSolver&)>& work) noexcept {
   if (size == 1) {
     FluidSolver fluid = make(nullptr);
     return work(fluid);

@@ -213,12 +213,15 @@ int main(int argc, char** argv) {
     explain({error.exit_code(), error.what()});
     return error.exit_code();
   }
-  if (ranks == nullptr || ranks->size() == 1) {
+  if (ranks == nullptr) {
     const Outcome outcome = outcome_of(argc, argv, nullptr);
     explain(outcome);
     return outcome.exit_code;
   }
   if (ranks->rank() == 0) return end_first_rank(outcome_of(argc, argv, ranks.get()), *ranks);
-  if (std::freopen("/dev/null", "w", stdout) == nullptr) return kExitFile;  // the first rank alone speaks
+  if (std::freopen("/dev/null", "w", stdout) == nullptr) {  // the first rank alone speaks
+    explain({kExitFile, "cannot open /dev/null"});
+    ranks->abort(kExitFile);
+  }
   return end_other_rank(outcome_of(argc, argv, ranks.get()), *ranks);
 }

@@ -2,18 +2,18 @@
 
 #define OMPI_SKIP_MPICXX
 #define MPICH_SKIP_MPICXX
-#include <fmt/format.h>
 #include <mpi.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
-#include <cstring>
-#include <limits>
+#include <functional>
+#include <numeric>
 #include <thread>
 
-#include "core/errors.h"
+#include "tools/commands/started_processes.h"
 
 namespace kappaflow {
 namespace {
@@ -21,26 +21,30 @@ namespace {
 // How long a rank that waits for the first one sleeps between looks: at first, and at most.
 constexpr std::chrono::microseconds kFirstSleep{20}, kLongestSleep{1000};
 
-/// MPI counts bytes in an int.
-int count_of(std::size_t bytes) {
-  if (bytes > static_cast<std::size_t>(std::numeric_limits<int>::max()))
-    throw Error(
-        fmt::format("a message of {} bytes between ranks; at most 2^31 can be sent, take more ranks", bytes),
-        1);
-  return static_cast<int>(bytes);
+// MPI counts bytes in an int; what is longer goes in pieces.
+constexpr std::size_t kPiece = std::size_t{1} << 30;
+
+template <class Send>
+void in_pieces(std::span<std::byte> bytes, const Send& send) {
+  while (!bytes.empty()) {
+    const std::size_t size = std::min(bytes.size(), kPiece);
+    send(bytes.data(), static_cast<int>(size));
+    bytes = bytes.subspan(size);
+  }
 }
 
-struct Places {
-  std::vector<int> counts, begins;
-  explicit Places(std::span<const std::size_t> sizes) {
-    std::size_t begin = 0;
-    for (const std::size_t size : sizes) {
-      counts.push_back(count_of(size));
-      begins.push_back(count_of(begin));
-      begin += size;
-    }
-  }
-};
+/// Where each rank's bytes are in those of all.
+std::vector<std::size_t> begins_of(std::span<const std::size_t> sizes) {
+  std::vector<std::size_t> begins(sizes.size());
+  std::exclusive_scan(sizes.begin(), sizes.end(), begins.begin(), std::size_t{0});
+  return begins;
+}
+
+std::vector<int> in_ints(std::span<const std::size_t> numbers) {
+  std::vector<int> result(numbers.size());
+  std::ranges::transform(numbers, result.begin(), [](std::size_t n) { return static_cast<int>(n); });
+  return result;
+}
 
 /// MPI takes no note of an error: its own handler ends all processes.
 class MpiRanks : public Ranks {
@@ -48,51 +52,57 @@ class MpiRanks : public Ranks {
   MpiRanks() {
     MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
     MPI_Comm_size(MPI_COMM_WORLD, &size_);
+    MPI_Comm machine;
+    MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
+    MPI_Comm_size(machine, &on_this_machine_);
+    MPI_Comm_free(&machine);
   }
   ~MpiRanks() override { MPI_Finalize(); }
 
   int rank() const override { return rank_; }
   int size() const override { return size_; }
+  int on_this_machine() const override { return on_this_machine_; }
   RankTraffic traffic() const override { return traffic_; }
 
   void gather(std::span<const std::byte> own, std::span<const std::size_t> sizes,
               std::span<std::byte> all) override {
+    if (all.size() > kPiece) return gather_long(own, sizes, all);
     note(static_cast<std::size_t>(size_ - 1), own.size());
+    const int count = static_cast<int>(own.size());
     if (std::ranges::adjacent_find(sizes, std::not_equal_to()) == sizes.end()) {
-      const int count = count_of(own.size());
       MPI_Allgather(own.data(), count, MPI_BYTE, all.data(), count, MPI_BYTE, MPI_COMM_WORLD);
       return;
     }
-    const Places places(sizes);
-    MPI_Allgatherv(own.data(), count_of(own.size()), MPI_BYTE, all.data(), places.counts.data(),
-                   places.begins.data(), MPI_BYTE, MPI_COMM_WORLD);
+    const std::vector<int> counts = in_ints(sizes), begins = in_ints(begins_of(sizes));
+    MPI_Allgatherv(own.data(), count, MPI_BYTE, all.data(), counts.data(), begins.data(), MPI_BYTE,
+                   MPI_COMM_WORLD);
   }
 
   void gather_to_first(std::span<const std::byte> own, std::span<const std::size_t> sizes,
                        std::span<std::byte> all) override {
-    if (rank_ != 0) note(1, own.size());
-    const Places places(sizes);
-    MPI_Gatherv(own.data(), count_of(own.size()), MPI_BYTE, all.data(), places.counts.data(),
-                places.begins.data(), MPI_BYTE, 0, MPI_COMM_WORLD);
+    if (rank_ > 0) return exchange(std::array{to_send(own, 0)}, {});
+    exchange({}, places_of_others(own, sizes, all));
   }
 
   void exchange(std::span<const Parcel> sent, std::span<const Parcel> received) override {
-    std::vector<MPI_Request> requests(sent.size() + received.size());
-    auto request = requests.begin();
+    requests_.clear();
     for (const Parcel& parcel : received)
-      MPI_Irecv(parcel.bytes.data(), count_of(parcel.bytes.size()), MPI_BYTE, parcel.rank, 0, MPI_COMM_WORLD,
-                &*request++);
-    for (const Parcel& parcel : sent) {
-      note(1, parcel.bytes.size());
-      MPI_Isend(parcel.bytes.data(), count_of(parcel.bytes.size()), MPI_BYTE, parcel.rank, 0, MPI_COMM_WORLD,
-                &*request++);
-    }
-    MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
+      in_pieces(parcel.bytes, [&](std::byte* bytes, int count) {
+        MPI_Irecv(bytes, count, MPI_BYTE, parcel.rank, 0, MPI_COMM_WORLD, &requests_.emplace_back());
+      });
+    for (const Parcel& parcel : sent)
+      in_pieces(parcel.bytes, [&](std::byte* bytes, int count) {
+        note(1, static_cast<std::size_t>(count));
+        MPI_Isend(bytes, count, MPI_BYTE, parcel.rank, 0, MPI_COMM_WORLD, &requests_.emplace_back());
+      });
+    MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE);
   }
 
-  void broadcast(std::span<std::byte> bytes) override {
-    if (rank_ == 0) note(static_cast<std::size_t>(size_ - 1), bytes.size());
-    MPI_Bcast(bytes.data(), count_of(bytes.size()), MPI_BYTE, 0, MPI_COMM_WORLD);
+  void broadcast(std::span<std::byte> whole) override {
+    in_pieces(whole, [&](std::byte* bytes, int count) {
+      if (rank_ == 0) note(static_cast<std::size_t>(size_ - 1), static_cast<std::size_t>(count));
+      MPI_Bcast(bytes, count, MPI_BYTE, 0, MPI_COMM_WORLD);
+    });
   }
 
   void abort(int exit_code) override {
@@ -105,7 +115,7 @@ class MpiRanks : public Ranks {
   void tell(std::span<std::byte> bytes) override {
     if (rank_ == 0) note(static_cast<std::size_t>(size_ - 1), bytes.size());
     MPI_Request request;
-    MPI_Ibcast(bytes.data(), count_of(bytes.size()), MPI_BYTE, 0, MPI_COMM_WORLD, &request);
+    MPI_Ibcast(bytes.data(), static_cast<int>(bytes.size()), MPI_BYTE, 0, MPI_COMM_WORLD, &request);
     auto sleep = kFirstSleep;
     for (int done = 0;;) {
       MPI_Test(&request, &done, MPI_STATUS_IGNORE);
@@ -121,20 +131,44 @@ class MpiRanks : public Ranks {
     traffic_.bytes += messages * bytes_each;
   }
 
-  int rank_ = 0, size_ = 1;
-  RankTraffic traffic_;
-};
+  /// Of what is only read.
+  static Parcel to_send(std::span<const std::byte> bytes, int rank) {
+    return {rank, {const_cast<std::byte*>(bytes.data()), bytes.size()}};
+  }
 
-/// Whether Open MPI, MPICH or Slurm has started this process for MPI.
-bool is_started_by_mpi() {
-  const auto has = [](const char* name) { return std::getenv(name) != nullptr; };
-  return has("OMPI_COMM_WORLD_SIZE") || has("PMI_SIZE") || has("PMI_RANK") || has("PMIX_RANK");
-}
+  /// Where in `all` the other ranks' bytes come; this one's are put there.
+  std::vector<Parcel> places_of_others(std::span<const std::byte> own, std::span<const std::size_t> sizes,
+                                       std::span<std::byte> all) const {
+    const std::vector<std::size_t> begins = begins_of(sizes);
+    std::vector<Parcel> places;
+    for (int r = 0; r < size_; ++r) {
+      const std::size_t k = static_cast<std::size_t>(r);
+      const std::span<std::byte> place = all.subspan(begins[k], sizes[k]);
+      if (r == rank_)
+        std::ranges::copy(own, place.begin());
+      else
+        places.push_back({r, place});
+    }
+    return places;
+  }
+
+  void gather_long(std::span<const std::byte> own, std::span<const std::size_t> sizes,
+                   std::span<std::byte> all) {
+    std::vector<Parcel> sent;
+    for (int r = 0; r < size_; ++r)
+      if (r != rank_) sent.push_back(to_send(own, r));
+    exchange(sent, places_of_others(own, sizes, all));
+  }
+
+  int rank_ = 0, size_ = 1, on_this_machine_ = 1;
+  RankTraffic traffic_;
+  std::vector<MPI_Request> requests_;
+};
 
 }  // namespace
 
 std::unique_ptr<Ranks> ranks_of_program() {
-  if (!is_started_by_mpi()) return nullptr;
+  if (started_processes() == 1) return nullptr;
   int got = 0;
   MPI_Init_thread(nullptr, nullptr, MPI_THREAD_SERIALIZED, &got);
   auto ranks = std::make_unique<MpiRanks>();

@@ -7,8 +7,9 @@
 
 namespace kappaflow {
 
-/// Of a program that was started by mpirun or srun in several processes; else nullptr, and MPI is not even
-/// begun. Ends MPI when it is destroyed. Throws InvalidInput where this program is built without MPI.
+/// Of a program that was started by mpirun or srun in several processes (started_processes.h); else nullptr,
+/// and MPI is not even begun. Ends MPI when it is destroyed. Throws InvalidInput where this program is built
+/// without MPI.
 std::unique_ptr<Ranks> ranks_of_program();
 
 }  // namespace kappaflow

@@ -1,17 +1,18 @@
-#include <cstdlib>
-#include <string>
+#include <fmt/format.h>
 
 #include "core/errors.h"
 #include "tools/commands/mpi_ranks.h"
+#include "tools/commands/started_processes.h"
 
 namespace kappaflow {
 
 // Each process would else run the whole scene, all into the same folder.
 std::unique_ptr<Ranks> ranks_of_program() {
-  for (const char* const name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"})
-    if (const char* const size = std::getenv(name); size != nullptr && std::atoi(size) > 1)
-      throw InvalidInput("this kappaflow is built without MPI and cannot run in " + std::string(size) +
-                         " processes; docs/scaling.md says what to install");
+  if (const int processes = started_processes(); processes > 1)
+    throw InvalidInput(fmt::format(
+        "this kappaflow is built without MPI and cannot run in {} processes; docs/scaling.md says "
+        "what to install",
+        processes));
   return nullptr;
 }
 

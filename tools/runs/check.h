@@ -11,8 +11,9 @@ namespace kappaflow {
 /// A readable summary of the scene with the estimate for this many threads.
 std::string check_text(const PreparedScene& prepared, int threads);
 
-/// Throws InvalidInput where the scene's estimate is more than `available` bytes of memory.
-void require_memory(const PreparedScene& prepared, std::size_t available);
+/// Throws InvalidInput where the scene's estimate is more than `available` bytes of memory. share: see
+/// estimate().
+void require_memory(const PreparedScene& prepared, std::size_t available, double share = 1);
 
 /// Of the machine [bytes].
 std::size_t machine_memory();

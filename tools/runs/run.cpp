@@ -7,6 +7,7 @@
 
 #include "core/errors.h"
 #include "core/read_file.h"
+#include "solver/broadcast_state.h"
 #include "tools/runs/check.h"
 #include "tools/runs/progress.h"
 #include "tools/runs/run_driver.h"
@@ -51,6 +52,16 @@ SceneFrames first_frame(PreparedScene prepared, const RunOptions& options) {
   return SceneFrames(std::move(prepared), options.ranks);
 }
 
+int ranks_of(const RunOptions& options) {
+  return options.ranks != nullptr ? options.ranks->size() : 1;
+}
+
+/// Of the liquid, what this rank's machine holds.
+double share_of_machine(const RunOptions& options) {
+  if (options.ranks == nullptr) return 1;
+  return static_cast<double>(options.ranks->on_this_machine()) / options.ranks->size();
+}
+
 /// What several ranks share is the liquid alone.
 void require_shareable(const PreparedScene& prepared, const Ranks* ranks) {
   if (ranks == nullptr || prepared.bodies.empty()) return;
@@ -69,7 +80,7 @@ RunSummary begin(const RunOptions& options) {
                     "--track, \"material\" where only the liquid matters",
                     scene.file.string()));
   require_shareable(prepared, options.ranks);
-  require_memory(prepared, machine_memory());
+  require_memory(prepared, machine_memory(), share_of_machine(options));
   RunOptions begun_with = options;
   begun_with.scene = fs::absolute(options.scene);  // for whoever resumes it from elsewhere
   RunFolder folder(folder_for(options), scene.surface.methods, options.force);
@@ -96,16 +107,6 @@ PreparedScene resumed_scene(const RunOptions& begun_with, const std::string& has
   return prepared;
 }
 
-/// The scene that this rank shares the liquid of.
-PreparedScene scene_to_follow(const RunOptions& options) {
-  if (options.resume.empty()) return prepare(scene_for(options, load_scene(options.scene)));
-  SavedRun saved(options.resume, kRunCommand);
-  RunOptions begun_with;
-  std::string hash;
-  saved.read(begun_with, hash);
-  return resumed_scene(begun_with, hash, options.resume, options.scene);
-}
-
 RunSummary resume(const RunOptions& options) {
   const Stopwatch watch;
   RunFolder folder(options.resume);
@@ -120,20 +121,35 @@ RunSummary resume(const RunOptions& options) {
   if (frame == last_frame_of(scene)) return complete_run(folder.path(), frame);
 
   require_shareable(prepared, options.ranks);
-  require_memory(prepared, machine_memory());
+  require_memory(prepared, machine_memory(), share_of_machine(options));
+  if (options.ranks != nullptr) {  // what the run has saved the first rank alone reads
+    options.ranks->announce({RankTask::resume});
+    broadcast_state(*options.ranks, begun_with, hash);
+    options.ranks->finish();
+  }
   SceneFrames frames = first_frame(std::move(prepared), options);
   const InterruptGuard guard;
   RunDriver driver(frames, folder, settings_for(begun_with, hash, scene), watch);
   driver.restore(frame, saved);
-  folder.write_record(resumed_record(folder.path(), options.command, options.threads, frames.time()));
+  folder.write_record(
+      resumed_record(folder.path(), options.command, options.threads, ranks_of(options), frames.time()));
   return driver.advance(guard);
 }
 
 }  // namespace
 
 void follow_run(const RunOptions& options) {
-  PreparedScene prepared = scene_to_follow(options);
-  if (options.ranks->next_order().task == RankTask::end) return;
+  Ranks& ranks = *options.ranks;
+  RunOptions begun_with = options;
+  std::string hash;
+  if (!options.resume.empty()) {
+    if (ranks.next_order().task == RankTask::end) return;
+    broadcast_state(ranks, begun_with, hash);
+  }
+  PreparedScene prepared = options.resume.empty()
+                               ? prepare(scene_for(options, load_scene(options.scene)))
+                               : resumed_scene(begun_with, hash, options.resume, options.scene);
+  if (ranks.next_order().task == RankTask::end) return;
   make_fluid(prepared.scene, std::move(prepared.start), prepared.walls, prepared.bodies, options.ranks)
       .follow();
 }

@@ -114,6 +114,7 @@ std::string run_record(const RunOptions& options, const Scene& scene, const Scen
   const ParticleFieldOptions& field = frames.surfaces().field_options();
   Json::Value record =
       common_record(options.command, options.threads, scene.surface, field.sigma, field.threshold);
+  record["ranks"] = options.ranks != nullptr ? options.ranks->size() : 1;
   record["options"] = options_record(options);
   record["scene"] = scene_record(scene);
   record["particles"] = Json::UInt64{frames.surfaces().particles().size()};
@@ -137,13 +138,14 @@ Json::Value read_record(const std::filesystem::path& folder) {
 }
 
 std::string resumed_record(const std::filesystem::path& folder, const std::vector<std::string>& command,
-                           int threads, double time) {
+                           int threads, int ranks, double time) {
   Json::Value record = read_record(folder), resumed;
   resumed["version"] = kVersion;
   resumed["build"] = build_description();
   resumed["started"] = time_now();
   resumed["command"] = list(command);
   resumed["threads"] = threads;
+  resumed["ranks"] = ranks;
   resumed["time"] = time;
   record["resumed"].append(resumed);
   return record_text(record);

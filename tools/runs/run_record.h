@@ -24,7 +24,7 @@ Json::Value read_record(const std::filesystem::path& folder);
 
 /// The record in a run folder, which says further that the run was resumed at `time` [s], and how.
 std::string resumed_record(const std::filesystem::path& folder, const std::vector<std::string>& command,
-                           int threads, double time);
+                           int threads, int ranks, double time);
 
 /// The same of tracked files: which, what is known about them, and the numbers that were derived.
 std::string track_record(const TrackOptions& options, const TrackInput& tracked);

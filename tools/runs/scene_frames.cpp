@@ -70,6 +70,7 @@ ParticleFrame SceneFrames::particles() const {
 }
 
 std::string SceneFrames::kept_particles(const std::filesystem::path& file) const {
+  if (!simulation_.fluid().can_be_asked()) return "its particles are lost: the ranks are out of step";
   try {
     write_vtp(file, *particle_data(particles()));
   } catch (const IoError& error) {

@@ -43,7 +43,8 @@ SurfaceOptions surface_options(const Scene& scene) {
 
 FluidSolver make_fluid(const Scene& scene, FluidParticlesAtStart&& particles,
                        std::span<const SolidWall> walls, std::span<const RigidBody> bodies, Ranks* ranks) {
-  const FluidParticlesAtStart start = std::move(particles);
+  FluidParticlesAtStart start = std::move(particles);
+  if (ranks != nullptr && ranks->rank() > 0) start = {};  // they come from the first
   return {scene.fluid,  start.position,    start.velocity, walls, start.fluid,
           start.source, start.temperature, bodies,         ranks};
 }
