@@ -84,7 +84,7 @@ void FluidSolver::serialize(Archive& archive) {
 template void FluidSolver::serialize(StateWriter&);
 template void FluidSolver::serialize(StateReader&);
 
-void FluidSolver::follow() {
+RankTask FluidSolver::follow() {
   State& s = *state_;
   for (;;) {
     const RankOrder order = s.ranks->next_order();
@@ -99,10 +99,13 @@ void FluidSolver::follow() {
       case RankTask::restore:
         s.together(order, [&] { s.restart(); });
         break;
+      case RankTask::collect_shares:
+        s.shares();
+        break;
       case RankTask::resume:
       case RankTask::make:
       case RankTask::end:
-        return;
+        return order.task;
     }
   }
 }
@@ -111,12 +114,26 @@ bool FluidSolver::can_be_asked() const {
   return state_->ranks == nullptr || !state_->ranks->busy();
 }
 
+std::vector<RankShare> FluidSolver::State::shares() const {
+  return ranks->one_of_each(
+      RankShare{particles.size(), halo->ghost_count(), memory().fluid, ranks->traffic()});
+}
+
+std::vector<RankShare> FluidSolver::shares() const {
+  std::vector<RankShare> result;
+  if (state_->ranks != nullptr)
+    state_->together({RankTask::collect_shares}, [&] { result = state_->shares(); });
+  return result;
+}
+
+SolverMemory FluidSolver::State::memory() const {
+  return {particles.bytes() + whole.bytes() + search.bytes() + neighbours.bytes() + wall_sums.bytes() +
+              viscosity.bytes() + heat.bytes() + bodies.bytes() + (halo != nullptr ? halo->bytes() : 0),
+          walls.bytes(), walls.size()};
+}
+
 SolverMemory FluidSolver::memory() const {
-  const State& s = *state_;
-  return {s.particles.bytes() + s.whole.bytes() + s.search.bytes() + s.neighbours.bytes() +
-              s.wall_sums.bytes() + s.viscosity.bytes() + s.heat.bytes() + s.bodies.bytes() +
-              (s.halo != nullptr ? s.halo->bytes() : 0),
-          s.walls.bytes(), s.walls.size()};
+  return state_->memory();
 }
 
 double FluidSolver::time() const {

@@ -10,11 +10,10 @@
 #include "core/solid_wall.h"
 #include "core/types.h"
 #include "solver/options.h"
+#include "solver/ranks.h"
 #include "solver/rigid_body.h"
 
 namespace kappaflow {
-
-class Ranks;
 
 /// Wall time of the phases of a step [s].
 struct SolverSeconds {
@@ -83,8 +82,10 @@ class FluidSolver {
   bool can_be_asked() const;
 
   /// Of ranks above 0, which nothing else is asked of: does with the first rank what that is asked to do,
-  /// until it says that there is nothing more.
-  void follow();
+  /// until that is of no concern to the solver. Returns what it is.
+  RankTask follow();
+  /// Of each rank that shares the liquid; none without ranks.
+  std::vector<RankShare> shares() const;
 
   double time() const;        ///< [s]
   std::size_t steps() const;  ///< since t = 0

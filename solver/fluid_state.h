@@ -63,6 +63,8 @@ struct FluidSolver::State {
   void check_pressure(const PressureSolve& solve, const char* solver, double tolerance) const;
   void check_motion(double time_step) const;
   void measure(FluidStep& done);
+  SolverMemory memory() const;
+  std::vector<RankShare> shares() const;
   /// Of all ranks, on the first: state and densities, or only id, position and velocity.
   const FluidParticles& all_particles(bool motion);
   void collect(bool motion);

@@ -99,6 +99,13 @@ void Halo::find_sent(const FluidParticles& particles) {
   const std::size_t n = particles.size(), chunks = (n + kChunk - 1) / kChunk;
   std::vector<std::vector<Sent>> found(chunks);
   const int own = ranks_.rank();
+  const auto is_inside = [&](const LiquidCut::Place& place) {
+    for (std::int64_t z = place[2] - 1; z <= place[2] + 1; ++z)
+      for (std::int64_t y = place[1] - 1; y <= place[1] + 1; ++y)
+        for (std::int64_t x = place[0] - 1; x <= place[0] + 1; ++x)
+          if (cut_.owner_of({x, y, z}) != own) return false;
+    return true;
+  };
   const auto look = [&](std::size_t i, std::vector<Sent>& sent) {
     const Vec4f& x = particles.position[i];
     const Vec4f reach = Vec4f::Constant((2 + kMargin) * spacing_) + kRounding * x.cwiseAbs();
@@ -118,8 +125,14 @@ void Halo::find_sent(const FluidParticles& particles) {
   parallel_for(
       chunks,
       [&](std::size_t chunk) {
-        for (std::size_t i = chunk * kChunk; i < std::min(n, (chunk + 1) * kChunk); ++i)
-          look(i, found[chunk]);
+        LiquidCut::Place last{};
+        bool inside = false;
+        for (std::size_t i = chunk * kChunk; i < std::min(n, (chunk + 1) * kChunk); ++i) {
+          const LiquidCut::Place place = cut_.place_of(particles.position[i]);
+          if (place != last || i == chunk * kChunk) inside = is_inside(place);
+          last = place;
+          if (!inside) look(i, found[chunk]);
+        }
       },
       1);
   std::vector<std::vector<std::uint32_t>> to(static_cast<std::size_t>(ranks_.size()));

@@ -26,7 +26,8 @@ class Halo {
 
   Ranks& ranks() const { return ranks_; }
   const LiquidCut& cut() const { return cut_; }
-  std::size_t total() const { return total_; }      ///< particles of all ranks
+  std::size_t total() const { return total_; }  ///< particles of all ranks
+  std::size_t ghost_count() const { return slot_.size(); }
   const CellGrid& ghosts() const { return grid_; }  ///< in its order they stand behind the own particles
 
   /// Cuts the liquid anew and brings every particle to its rank. Precondition: no ghosts.

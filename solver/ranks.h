@@ -11,16 +11,32 @@
 namespace kappaflow {
 
 /// What the other ranks are to do together with rank 0, which alone is asked by anybody.
-enum class RankTask : std::int64_t { end, resume, make, step, collect_motion, collect_all, restore };
+enum class RankTask : std::int64_t {
+  end,
+  resume,
+  make,
+  step,
+  collect_motion,
+  collect_all,
+  collect_shares,
+  restore
+};
 
 struct RankOrder {
   RankTask task = RankTask::end;
   double value = 0;  ///< of a step: the time left for it [s]
 };
 
-/// What a rank has sent since the start.
+/// What a rank has sent since the start, and how long it was at that and at waiting for the others' [s].
 struct RankTraffic {
   std::uint64_t messages = 0, bytes = 0;
+  double seconds = 0;
+};
+
+/// What a rank has of the liquid.
+struct RankShare {
+  std::uint64_t particles = 0, ghosts = 0, memory = 0;  ///< memory: of the solver, for liquid [bytes]
+  RankTraffic traffic;
 };
 
 /// Bytes to or from another rank.

@@ -23,6 +23,7 @@ struct Measurement {
   SolverSeconds seconds;
   double time_step = 0;
   double density_iterations = 0, divergence_iterations = 0, viscosity_iterations = 0;
+  std::vector<RankShare> shares;  // of the ranks that share the liquid; what they sent: in a measured step
 
   void add(const FluidStep& step, double share) {
     time_step += share * step.time_step;
@@ -47,24 +48,47 @@ PreparedScene resized(const PreparedScene& prepared, std::size_t particles) {
   return prepare(std::move(scene));
 }
 
+FluidSolver solver_of(const PreparedScene& prepared, Ranks* ranks) {
+  const FluidParticlesAtStart& start = prepared.start;
+  return {prepared.scene.fluid,
+          start.position,
+          start.velocity,
+          prepared.walls,
+          start.fluid,
+          start.source,
+          start.temperature,
+          {},
+          ranks};
+}
+
+/// A rank's share in the mean of so many steps.
+void take_mean(RankShare& share, const RankTraffic& before, int steps) {
+  RankTraffic& sent = share.traffic;
+  sent.messages = (sent.messages - before.messages) / static_cast<std::size_t>(steps);
+  sent.bytes = (sent.bytes - before.bytes) / static_cast<std::size_t>(steps);
+  sent.seconds = (sent.seconds - before.seconds) / steps;
+}
+
 Measurement measure(const PreparedScene& prepared, int threads, const BenchmarkOptions& options) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   static_cast<std::size_t>(threads));
-  const Scene& scene = prepared.scene;
-  const FluidParticlesAtStart& start = prepared.start;
-  FluidSolver solver(scene.fluid, start.position, start.velocity, prepared.walls, start.fluid, start.source,
-                     start.temperature);
+  FluidSolver solver = solver_of(prepared, options.ranks);
   Measurement result;
-  result.particles = start.position.size();
+  result.particles = solver.size();
   result.threads = threads;
+  std::vector<RankShare> before;
   for (int k = 0; k < options.warm_up + options.steps; ++k) {
     draw_status_line(fmt::format("{} particles, {} thread{}: step {} of {}", result.particles, threads,
                                  threads == 1 ? "" : "s", k + 1, options.warm_up + options.steps));
-    const FluidStep step = solver.step(scene.duration);
+    if (k == options.warm_up) before = solver.shares();
+    const FluidStep step = solver.step(prepared.scene.duration);
     if (k >= options.warm_up) result.add(step, 1.0 / options.steps);
   }
   draw_status_line("");
   result.memory = solver.memory();
+  result.shares = solver.shares();
+  for (std::size_t r = 0; r < before.size(); ++r)
+    take_mean(result.shares[r], before[r].traffic, options.steps);
   return result;
 }
 
@@ -77,6 +101,13 @@ struct Column {
 
 double per(double amount, std::size_t count) {
   return count > 0 ? amount / static_cast<double>(count) : 0;
+}
+
+template <class Value>
+double largest(const Measurement& m, const Value& value) {
+  double result = 0;
+  for (const RankShare& share : m.shares) result = std::max(result, static_cast<double>(value(share)));
+  return result;
 }
 
 constexpr Column kColumns[] = {
@@ -104,14 +135,45 @@ constexpr Column kColumns[] = {
      0},
 };
 
+// Of several ranks, the most that one of them has.
+constexpr Column kColumnsOfRanks[] = {
+    {"ranks", [](const Measurement& m) { return static_cast<double>(m.shares.size()); }, 0},
+    {"particles_of_rank",
+     [](const Measurement& m) { return largest(m, [](const RankShare& s) { return s.particles; }); }, 0},
+    {"ghosts_of_rank",
+     [](const Measurement& m) { return largest(m, [](const RankShare& s) { return s.ghosts; }); }, 0},
+    {"bytes_of_rank",
+     [](const Measurement& m) { return largest(m, [](const RankShare& s) { return s.memory; }); }, 0},
+    {"messages_per_step",
+     [](const Measurement& m) { return largest(m, [](const RankShare& s) { return s.traffic.messages; }); },
+     0},
+    {"megabytes_per_step",
+     [](const Measurement& m) {
+       return 1e-6 * largest(m, [](const RankShare& s) { return s.traffic.bytes; });
+     },
+     2},
+    {"exchange_ms",
+     [](const Measurement& m) {
+       return 1e3 * largest(m, [](const RankShare& s) { return s.traffic.seconds; });
+     },
+     1},
+};
+
 std::string text(const Column& column, const Measurement& m) {
   return fmt::format("{:.{}f}", column.value(m), column.digits);
+}
+
+std::vector<Column> columns_of(const std::vector<Measurement>& measurements) {
+  std::vector<Column> columns(std::begin(kColumns), std::end(kColumns));
+  if (!measurements.front().shares.empty())
+    columns.insert(columns.end(), std::begin(kColumnsOfRanks), std::end(kColumnsOfRanks));
+  return columns;
 }
 
 /// One line a column, one column a measurement: it fits a terminal.
 std::string table(const std::vector<Measurement>& measurements) {
   std::string result;
-  for (const Column& column : kColumns) {
+  for (const Column& column : columns_of(measurements)) {
     result += fmt::format("{:<30}", column.name);
     for (const Measurement& m : measurements) result += fmt::format("{:>12}", text(column, m));
     result += '\n';
@@ -120,29 +182,49 @@ std::string table(const std::vector<Measurement>& measurements) {
 }
 
 std::string csv(const std::vector<Measurement>& measurements) {
+  const std::vector<Column> columns = columns_of(measurements);
   std::string result;
-  for (const Column& column : kColumns) result += fmt::format("{}{}", result.empty() ? "" : ",", column.name);
+  for (const Column& column : columns) result += fmt::format("{}{}", result.empty() ? "" : ",", column.name);
   result += '\n';
   for (const Measurement& m : measurements) {
     std::string row;
-    for (const Column& column : kColumns) row += fmt::format("{}{}", row.empty() ? "" : ",", text(column, m));
+    for (const Column& column : columns) row += fmt::format("{}{}", row.empty() ? "" : ",", text(column, m));
     result += row + '\n';
   }
   return result;
 }
 
+/// Calls work(scene, threads) for every size and number of threads.
+template <class Work>
+void for_cases(const BenchmarkOptions& options, const Work& work) {
+  const PreparedScene prepared = prepare(load_scene(options.scene));
+  const auto at_size = [&](const PreparedScene& sized) {
+    for (const int threads : options.threads) work(sized, threads);
+  };
+  if (options.particles.empty()) at_size(prepared);
+  for (const std::size_t particles : options.particles) at_size(resized(prepared, particles));
+}
+
 }  // namespace
 
 std::string benchmark(const BenchmarkOptions& options) {
-  const PreparedScene prepared = prepare(load_scene(options.scene));
   std::vector<Measurement> measurements;
-  const auto run = [&](const PreparedScene& sized) {
-    for (const int threads : options.threads) measurements.push_back(measure(sized, threads, options));
-  };
-  if (options.particles.empty()) run(prepared);
-  for (const std::size_t particles : options.particles) run(resized(prepared, particles));
+  for_cases(options, [&](const PreparedScene& sized, int threads) {
+    measurements.push_back(measure(sized, threads, options));
+  });
   if (!options.csv.empty()) write_file(options.csv, csv(measurements));
   return table(measurements);
+}
+
+void follow_benchmark(const BenchmarkOptions& options) {
+  RankTask task = RankTask::collect_shares;  // of none yet
+  for_cases(options, [&](const PreparedScene& sized, int threads) {
+    if (task == RankTask::collect_shares) task = options.ranks->next_order().task;
+    if (task == RankTask::end) return;
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                    static_cast<std::size_t>(threads));
+    task = solver_of(sized, options.ranks).follow();
+  });
 }
 
 }  // namespace kappaflow

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "solver/ranks.h"
+
 namespace kappaflow {
 
 struct BenchmarkOptions {
@@ -13,12 +15,16 @@ struct BenchmarkOptions {
   std::vector<int> threads;            ///< to try
   int warm_up = 5, steps = 20;         ///< solver steps that are not measured, and that are
   std::filesystem::path csv;           ///< empty: none
+  Ranks* ranks = nullptr;              ///< that share the liquid, this being one of them
 };
 
 /// Runs the scene's liquid at every size with every number of threads and returns a table: time a step and by
-/// phase, iterations, particle steps a second, seconds a simulated second, bytes a particle. A size is
-/// reached by another particle spacing, everything else stays. Writes the same as CSV. Throws as FluidSolver
-/// does.
+/// phase, iterations, particle steps a second, seconds a simulated second, bytes a particle; of several ranks
+/// also what they send and wait for. A size is reached by another particle spacing, everything else stays.
+/// Writes the same as CSV. Throws as FluidSolver does.
 std::string benchmark(const BenchmarkOptions& options);
+
+/// What the ranks above 0 do.
+void follow_benchmark(const BenchmarkOptions& options);
 
 }  // namespace kappaflow

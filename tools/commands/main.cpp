@@ -66,18 +66,17 @@ std::string one_line(std::string text) {
 }
 
 int execute(const CLI::App& app, CommandLine& line) {
-  if (Ranks* const ranks = line.run.ranks; ranks != nullptr && !app.got_subcommand("run"))
-    throw InvalidInput(
-        fmt::format("only kappaflow run works on several ranks; this is one of {}", ranks->size()));
+  Ranks* const ranks = line.run.ranks;
+  const bool follows = ranks != nullptr && ranks->rank() > 0;
+  if (ranks != nullptr && !app.got_subcommand("run") && !app.got_subcommand("benchmark"))
+    throw InvalidInput(fmt::format(
+        "only kappaflow run and benchmark work on several ranks; this is one of {}", ranks->size()));
   if (app.got_subcommand("run")) {
     reject_repeated("--track", line.run.methods);
     line.run.threads = line.threads;
     if (line.duration > 0) line.run.duration = line.duration;
-    if (line.run.ranks != nullptr && line.run.ranks->rank() > 0) {
-      follow_run(line.run);
-      return 0;
-    }
-    return run(line.run);
+    if (!follows) return run(line.run);
+    follow_run(line.run);
   }
   if (app.got_subcommand("track")) {
     reject_repeated("--velocity", line.track.methods);
@@ -88,7 +87,11 @@ int execute(const CLI::App& app, CommandLine& line) {
     fmt::print("{}", check_text(prepare(load_scene(line.check_scene)), line.threads));
   if (app.got_subcommand("benchmark")) {
     if (line.benchmark.threads.empty()) line.benchmark.threads = {line.threads};
-    fmt::print("{}", benchmark(line.benchmark));
+    line.benchmark.ranks = ranks;
+    if (follows)
+      follow_benchmark(line.benchmark);
+    else
+      fmt::print("{}", benchmark(line.benchmark));
   }
   if (app.got_subcommand("probe")) fmt::print("{}", probe(line.probe));
   if (app.got_subcommand("compare")) fmt::print("{}", compare(line.compare));

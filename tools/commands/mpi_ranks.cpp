@@ -13,6 +13,7 @@
 #include <numeric>
 #include <thread>
 
+#include "core/stopwatch.h"
 #include "tools/commands/started_processes.h"
 
 namespace kappaflow {
@@ -46,13 +47,26 @@ std::vector<int> in_ints(std::span<const std::size_t> numbers) {
   return result;
 }
 
+/// Adds the time until it ends.
+class Timed {
+ public:
+  explicit Timed(double& seconds) : seconds_(seconds) {}
+  Timed(const Timed&) = delete;
+  Timed& operator=(const Timed&) = delete;
+  ~Timed() { seconds_ += watch_.seconds(); }
+
+ private:
+  double& seconds_;
+  Stopwatch watch_;
+};
+
 /// MPI takes no note of an error: its own handler ends all processes.
 class MpiRanks : public Ranks {
  public:
   MpiRanks() {
     MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
     MPI_Comm_size(MPI_COMM_WORLD, &size_);
-    MPI_Comm machine;
+    MPI_Comm machine = MPI_COMM_NULL;
     MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
     MPI_Comm_size(machine, &on_this_machine_);
     MPI_Comm_free(&machine);
@@ -68,6 +82,7 @@ class MpiRanks : public Ranks {
               std::span<std::byte> all) override {
     if (all.size() > kPiece) return gather_long(own, sizes, all);
     note(static_cast<std::size_t>(size_ - 1), own.size());
+    const Timed timed(traffic_.seconds);
     const int count = static_cast<int>(own.size());
     if (std::ranges::adjacent_find(sizes, std::not_equal_to()) == sizes.end()) {
       MPI_Allgather(own.data(), count, MPI_BYTE, all.data(), count, MPI_BYTE, MPI_COMM_WORLD);
@@ -85,6 +100,7 @@ class MpiRanks : public Ranks {
   }
 
   void exchange(std::span<const Parcel> sent, std::span<const Parcel> received) override {
+    const Timed timed(traffic_.seconds);
     requests_.clear();
     for (const Parcel& parcel : received)
       in_pieces(parcel.bytes, [&](std::byte* bytes, int count) {
@@ -99,6 +115,7 @@ class MpiRanks : public Ranks {
   }
 
   void broadcast(std::span<std::byte> whole) override {
+    const Timed timed(traffic_.seconds);
     in_pieces(whole, [&](std::byte* bytes, int count) {
       if (rank_ == 0) note(static_cast<std::size_t>(size_ - 1), static_cast<std::size_t>(count));
       MPI_Bcast(bytes, count, MPI_BYTE, 0, MPI_COMM_WORLD);
@@ -114,7 +131,7 @@ class MpiRanks : public Ranks {
   // MPI_Bcast would keep a core busy, which the first rank may need for the surfaces.
   void tell(std::span<std::byte> bytes) override {
     if (rank_ == 0) note(static_cast<std::size_t>(size_ - 1), bytes.size());
-    MPI_Request request;
+    MPI_Request request = MPI_REQUEST_NULL;
     MPI_Ibcast(bytes.data(), static_cast<int>(bytes.size()), MPI_BYTE, 0, MPI_COMM_WORLD, &request);
     auto sleep = kFirstSleep;
     for (int done = 0;;) {

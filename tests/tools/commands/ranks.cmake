@@ -81,7 +81,7 @@ expect_said("--threads")
 ranks(2 2 run ${SOURCE_DIR}/scenes/sphere-in-honey.toml --out body)
 expect_said("rigid bodies move on one rank only")
 ranks(2 2 check ${scene})
-expect_said("only kappaflow run works on several ranks")
+expect_said("only kappaflow run and benchmark work on several ranks")
 
 # A rank that dies takes the others along.
 execute_process(COMMAND sh -c "
