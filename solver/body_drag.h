@@ -30,7 +30,7 @@ class BodyDrag {
   /// The bodies' velocities u for those of the liquid; also WallSums::velocity.
   void respond(const std::vector<Vec4f>& v);
   /// q = A p of bodies at rest -> that of bodies that respond. Returns the change of p . q.
-  double respond_to(const std::vector<Vec4f>& p, std::vector<Vec4f>& q) const;
+  double respond_to(const std::vector<Vec4f>& p, std::vector<Vec4f>& q);
 
   std::size_t bodies() const { return bodies_ == nullptr ? 0 : bodies_->size(); }
   std::span<const BodyContact> contacts(std::size_t b) const { return bodies_->contacts(b); }
@@ -45,8 +45,8 @@ class BodyDrag {
   }
   /// dt R of a contact.
   Mat3 resistance(const BodyContact& contact) const;
-  /// dt sum J^T R v.
-  rigid::Vector6 load(std::size_t b, const std::vector<Vec4f>& v) const;
+  /// dt sum J^T R v, by body.
+  void find_loads(const std::vector<Vec4f>& v);
 
   const ViscousForces& forces_;
   RigidBodies* bodies_;
@@ -54,6 +54,7 @@ class BodyDrag {
   WallSums& walls_;
   float time_step_;
   std::vector<rigid::Vector6> momentum_;             // M u*, by body
+  std::vector<rigid::Vector6> loads_;                // see find_loads()
   std::vector<Eigen::LLT<rigid::Matrix6>> factors_;  // of S
 };
 

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "core/parallel.h"
+#include "solver/halo.h"
 
 namespace kappaflow {
 namespace {
@@ -274,6 +275,16 @@ double Walls::wet_share(std::size_t rigid_body) const {
   return 0;
 }
 
+/// A sample is wet by the liquid of any rank.
+void Walls::share_wet(Ranks& ranks) {
+  for (Body& body : bodies_) {
+    if (body.wet.empty()) continue;
+    const std::vector<char> all = ranks.gathered(body.wet);
+    for (std::size_t k = 0; k < all.size(); ++k)
+      if (all[k] != 0) body.wet[k % body.wet.size()] = 1;
+  }
+}
+
 void Walls::add_to(FluidParticles& particles, WallSums& sums) {
   const std::size_t n = particles.size(), chunks = (n + kChunk - 1) / kChunk;
   sums.first.resize(n + 1);
@@ -281,6 +292,7 @@ void Walls::add_to(FluidParticles& particles, WallSums& sums) {
   found_.resize(chunks);
   parallel_for(
       chunks, [&](std::size_t chunk) { add_to_chunk(chunk, particles, sums); }, 1);
+  if (particles.halo != nullptr) share_wet(particles.halo->ranks());
 
   first_of_chunk_.assign(1, 0);
   for (const Found& found : found_) first_of_chunk_.push_back(first_of_chunk_.back() + found.friction.size());

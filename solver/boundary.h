@@ -12,6 +12,7 @@
 #include "solver/fluid_particles.h"
 #include "solver/heat_options.h"
 #include "solver/kernel.h"
+#include "solver/ranks.h"
 
 namespace kappaflow {
 
@@ -138,6 +139,7 @@ class Walls {
   Body make_body(const WallBody& body) const;
   bool is_near(const Body& body, const Vec4f& x) const;
   Contact contact(Body& body, const Vec4f& x) const;
+  void share_wet(Ranks& ranks);
   void add_to_chunk(std::size_t chunk, FluidParticles& particles, WallSums& sums);
   void add_contact(const Contact& sum, std::uint32_t body, std::size_t i, FluidParticles& particles,
                    Found& found) const;

@@ -60,7 +60,7 @@ void FluidSolver::State::restart() {
 /// What the first rank has read: it keeps the particles until they go to where they belong, and tells the
 /// others the rest.
 void FluidSolver::State::share_restored() {
-  broadcast_state(*ranks, time, steps, fastest, particles.source, emitters);
+  broadcast_state(*ranks, time, steps, fastest, particles.source, emitters, bodies);
   if (ranks->rank() > 0) particles.keep({});
 }
 

@@ -35,8 +35,6 @@ FluidSolver::FluidSolver(const FluidOptions& options, std::span<const Vec3> posi
   check_options(options);
   check_start(position, velocity, fluid, options.fluids(), source, all_solids(walls, bodies));
   check_temperatures(temperature, position.size(), options);
-  if (ranks != nullptr && !bodies.empty())
-    throw InvalidInput("rigid bodies in liquid that several ranks share; run the scene on one");
   const std::vector<WallHeat> rules = options.heat ? options.heat->walls : std::vector<WallHeat>();
   RigidBodies rigid(bodies, options.density, options.spacing);
   BodyCollisions collisions(rigid, rigid.none() ? std::span<const SolidWall>() : walls, options.spacing);

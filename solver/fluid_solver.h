@@ -60,8 +60,7 @@ class FluidSolver {
   /// [K]; empty: that of HeatOptions. bodies: rigid ones that liquid moves; a body may touch walls and other
   /// bodies, and should not begin in them. Throws InvalidInput for options out of range, particles inside a
   /// wall or a body, or when there is no particle at t = 0. ranks: the processes that share the liquid, each
-  /// of which makes a solver of the same options and walls; the particles are the first one's, and there are
-  /// no bodies then.
+  /// of which makes a solver of the same options, walls and bodies; the particles are the first one's.
   FluidSolver(const FluidOptions& options, std::span<const Vec3> position, std::span<const Vec3> velocity,
               std::span<const SolidWall> walls, std::span<const std::uint8_t> fluid = {},
               std::span<const int> source = {}, std::span<const double> temperature = {},

@@ -106,6 +106,15 @@ T max_of_ranks(const FluidParticles& particles, const T& own) {
   return particles.halo != nullptr ? particles.halo->ranks().max(own) : own;
 }
 
+/// The same of each value.
+template <class T>
+void sum_each_of_ranks(const FluidParticles& particles, std::vector<T>& values) {
+  if (particles.halo == nullptr || values.empty()) return;
+  const std::vector<T> all = particles.halo->ranks().gathered(values);
+  for (std::size_t k = 0; k < values.size(); ++k) values[k] = all[k];
+  for (std::size_t k = values.size(); k < all.size(); ++k) values[k % values.size()] += all[k];
+}
+
 inline bool is_first_rank(const FluidParticles& particles) {
   return particles.halo == nullptr || particles.halo->ranks().rank() == 0;
 }

@@ -153,14 +153,24 @@ void MomentumBalance::connect_by_bodies(const RigidMultigrid& multigrid, const V
     while (now[c] != c) c = now[c];
     return c;
   };
-  for (std::size_t b = 0; b < bodies.bodies(); ++b)
+  struct Touch {
+    std::uint32_t body, component;
+    bool operator==(const Touch&) const = default;
+  };
+  std::vector<Touch> touches;
+  for (std::uint32_t b = 0; b < bodies.bodies(); ++b)
     for (const BodyContact& contact : bodies.contacts(b)) {
       if (!forces.act_on(contact.particle, particles)) continue;
-      const std::uint32_t other = root(component_[cell_[contact.particle]]);
-      std::uint32_t& own = component_of_body_[b];
-      own = own == RigidLevel::kNone ? other : root(own);
-      now[std::max(own, other)] = own = std::min(own, other);
+      const Touch touch{b, component_[cell_[contact.particle]]};
+      if (touches.empty() || touches.back() != touch) touches.push_back(touch);
     }
+  if (particles.halo != nullptr) touches = particles.halo->ranks().gathered(touches);
+  for (const Touch& touch : touches) {
+    const std::uint32_t other = root(touch.component);
+    std::uint32_t& own = component_of_body_[touch.body];
+    own = own == RigidLevel::kNone ? other : root(own);
+    now[std::max(own, other)] = own = std::min(own, other);
+  }
   for (std::uint32_t& component : component_) component = root(component);
   for (std::uint32_t& component : component_of_body_)
     if (component != RigidLevel::kNone) component = root(component);

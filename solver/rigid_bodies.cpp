@@ -8,6 +8,7 @@
 
 #include "core/errors.h"
 #include "core/parallel.h"
+#include "solver/halo.h"
 
 namespace kappaflow {
 namespace {
@@ -161,19 +162,21 @@ void RigidBodies::find_contacts(FluidParticles& particles, const Walls& walls, W
 
 void RigidBodies::even_out(std::size_t b, double share, FluidParticles& particles, WallSums& sums) {
   const std::span<const BodyContact> contacts = bodies_[b].contacts;
-  if (!(share > 0) || contacts.size() < kFewestContacts) return;
+  if (!(share > 0) || sum_of_ranks(particles, contacts.size()) < kFewestContacts) return;
   const auto gradient = [&](const BodyContact& c) -> Vec3 {
     return sums.gradient[c.contact].head<3>().cast<double>();
   };
   const Matrix6 no_matrix = Matrix6::Zero();
-  const Matrix6 weights = parallel_sum(contacts.size(), no_matrix, [&](std::size_t c) -> Matrix6 {
+  const Matrix6 own_weights = parallel_sum(contacts.size(), no_matrix, [&](std::size_t c) -> Matrix6 {
     const auto j = rigid::velocities_at(arm(b, contacts[c].particle, particles));
     return gradient(contacts[c]).norm() * j.transpose() * j;
   });
   const Vector6 none = Vector6::Zero();
-  const Vector6 sum = parallel_sum(contacts.size(), none, [&](std::size_t c) -> Vector6 {
+  const Vector6 own_sum = parallel_sum(contacts.size(), none, [&](std::size_t c) -> Vector6 {
     return rigid::load_of(gradient(contacts[c]), arm(b, contacts[c].particle, particles));
   });
+  const Matrix6 weights = sum_of_ranks(particles, own_weights);
+  const Vector6 sum = sum_of_ranks(particles, own_sum);
   const Vector6 q = share * weights.ldlt().solve(sum);
   parallel_for(contacts.size(), [&](std::size_t c) {
     const auto [i, k] = contacts[c];
@@ -199,17 +202,22 @@ void RigidBodies::drive(const FluidParticles& particles, WallSums& walls) const 
 }
 
 void RigidBodies::find_push(const FluidParticles& particles, const WallSums& walls) {
+  loads_.resize(size());
   for (std::size_t b = 0; b < size(); ++b) {
-    Body& body = bodies_[b];
+    const Body& body = bodies_[b];
     const Vector6 zero = Vector6::Zero();
-    const Vector6 load = parallel_sum(body.contacts.size(), zero, [&](std::size_t c) -> Vector6 {
+    loads_[b] = parallel_sum(body.contacts.size(), zero, [&](std::size_t c) -> Vector6 {
       const auto [i, k] = body.contacts[c];
       const Vec3 force =
           static_cast<double>(particles.position[i][3]) * walls.gradient[k].head<3>().cast<double>();
       return rigid::load_of(force, arm(b, i, particles));
     });
-    body.push.head<3>() = load.head<3>() / body.mass;
-    body.push.tail<3>() = inertia(body).inverse() * load.tail<3>();
+  }
+  sum_each_of_ranks(particles, loads_);
+  for (std::size_t b = 0; b < size(); ++b) {
+    Body& body = bodies_[b];
+    body.push.head<3>() = loads_[b].head<3>() / body.mass;
+    body.push.tail<3>() = inertia(body).inverse() * loads_[b].tail<3>();
   }
 }
 

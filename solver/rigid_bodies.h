@@ -108,7 +108,8 @@ class RigidBodies {
   Mat3 inertia(const Body& body) const;  // now, over a particle's mass [m2]
 
   std::vector<Body> bodies_;
-  std::vector<float> diagonal_;  // by contact: see push_diagonal()
+  std::vector<float> diagonal_;        // by contact: see push_diagonal()
+  std::vector<rigid::Vector6> loads_;  // of find_push()
 };
 
 }  // namespace kappaflow

@@ -11,6 +11,7 @@
 
 #include "core/errors.h"
 #include "core/saved_state.h"
+#include "solver/wall_bodies.h"
 #include "tests/solver/shapes.h"
 #include "tests/solver/thread_ranks.h"
 
@@ -265,6 +266,45 @@ TEST(Ranks, CoolAndYieldOnAMovingWallAsOneDoes) {
   EXPECT_LT(coldest, 1399);
   EXPECT_GT(hottest, 1401);
   EXPECT_GT(momentum(course[2].particles).x(), 1) << "carried along";
+}
+
+// Two boxes, one light and one heavy, in thin and in thick liquid that moves past them: each touches liquid
+// of several ranks.
+TEST(Ranks, MoveBodiesAsOneDoes) {
+  for (const double viscosity : {1e-3, 10.0}) {
+    std::vector<RigidBody> bodies;
+    for (const double x : {0.1, 0.6}) {
+      const TriangleSurface box = test::box_surface({x, 0.2, 0.1}, {x + 0.2, 0.4, 0.4});
+      bodies.push_back({SolidWall(box), (x < 0.5 ? 300 : 3000) * 0.012});
+    }
+    const auto make = [&](Ranks* ranks) {
+      std::vector<Vec3> points;
+      for (const Vec3& x : test::block({0, 0, 0}, {1, 0.5, 0.5}, kSpacing))
+        if (nearest_of_walls(all_solids({}, bodies), x).distance > 0.499 * kSpacing) points.push_back(x);
+      const std::vector<Vec3> velocity(points.size(), Vec3(0.5, 0, 0.2));
+      return FluidSolver(options(viscosity), points, velocity, {}, {}, {}, {}, bodies, ranks);
+    };
+    std::map<int, Course> course;
+    std::map<int, std::vector<BodyState>> states;
+    std::string bytes;
+    for (const int ranks : {1, 2, 3})
+      on_ranks(ranks, make, [&](FluidSolver& fluid) {
+        course_of(fluid, 4);
+        bytes = saved(fluid);
+        restore(fluid, bytes);
+        course[ranks] = course_of(fluid, 4);
+        states[ranks] = fluid.bodies();
+      });
+    EXPECT_LT(difference(course[2].particles, course[1].particles), 5e-4) << viscosity;
+    EXPECT_LT(difference(course[2].particles, course[3].particles), 1e-5) << viscosity;
+    for (std::size_t b = 0; b < 2; ++b) {
+      const auto difference_to = [&](int ranks) {
+        return (states[2][b].velocity.linear - states[ranks][b].velocity.linear).norm();
+      };
+      EXPECT_LT(difference_to(1), 1e-4) << viscosity;
+      EXPECT_LT(difference_to(3), 1e-5) << viscosity;
+    }
+  }
 }
 
 TEST(Ranks, AllFindThatTheLiquidFails) {

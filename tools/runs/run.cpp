@@ -62,13 +62,6 @@ double share_of_machine(const RunOptions& options) {
   return static_cast<double>(options.ranks->on_this_machine()) / options.ranks->size();
 }
 
-/// What several ranks share is the liquid alone.
-void require_shareable(const PreparedScene& prepared, const Ranks* ranks) {
-  if (ranks == nullptr || prepared.bodies.empty()) return;
-  throw InvalidInput(fmt::format("{}: [[body]] in a run on {} ranks; rigid bodies move on one rank only",
-                                 prepared.scene.file.string(), ranks->size()));
-}
-
 RunSummary begin(const RunOptions& options) {
   const Stopwatch watch;
   PreparedScene prepared = prepare(scene_for(options, load_scene(options.scene)));
@@ -79,7 +72,6 @@ RunSummary begin(const RunOptions& options) {
         fmt::format("{}: no velocity method to track with; name one in [surface] methods or by "
                     "--track, \"material\" where only the liquid matters",
                     scene.file.string()));
-  require_shareable(prepared, options.ranks);
   require_memory(prepared, machine_memory(), share_of_machine(options));
   RunOptions begun_with = options;
   begun_with.scene = fs::absolute(options.scene);  // for whoever resumes it from elsewhere
@@ -120,7 +112,6 @@ RunSummary resume(const RunOptions& options) {
   const Scene scene = prepared.scene;
   if (frame == last_frame_of(scene)) return complete_run(folder.path(), frame);
 
-  require_shareable(prepared, options.ranks);
   require_memory(prepared, machine_memory(), share_of_machine(options));
   if (options.ranks != nullptr) {  // what the run has saved the first rank alone reads
     options.ranks->announce({RankTask::resume});
