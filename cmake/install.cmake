@@ -4,7 +4,8 @@ include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 include(cmake/public_headers.cmake)
 
-# Two components of the installation, which are two Debian packages: what runs, and what programs of others are built with.
+# Components of the installation, each a Debian package: what runs, what programs of others are built with, and what runs
+# of several processes need (mpi).
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME development)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/kappaflow)
 
@@ -36,6 +37,9 @@ install(SCRIPT cmake/install_headers.cmake)
 
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME program)
 install(TARGETS kappaflow)
+if(TARGET kappaflow_mpi)
+  install(TARGETS kappaflow_mpi LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/kappaflow COMPONENT mpi)
+endif()
 install(DIRECTORY scenes DESTINATION share/kappaflow
         FILES_MATCHING PATTERN "*.toml" PATTERN "*.csv" PATTERN "*.vtp" PATTERN "*.obj" PATTERN "*.md")
 install(FILES tools/paraview/open_run.py DESTINATION share/kappaflow/paraview)

@@ -1,5 +1,5 @@
 # cmake --build build/release --target package: a .tar.gz that runs from wherever it is unpacked, and on Debian and
-# Ubuntu the packages kappaflow (what runs) and libkappaflow-dev (what programs of others are built with).
+# Ubuntu the packages kappaflow (what runs), libkappaflow-dev (what programs of others are built with) and kappaflow-mpi.
 find_program(DPKG_SHLIBDEPS dpkg-shlibdeps)
 find_program(FILE_COMMAND file)
 set(CPACK_GENERATOR TGZ)
@@ -21,7 +21,7 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME kappaflow)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "gnuplot-nox | gnuplot, xvfb, xauth, ffmpeg, openmpi-bin")  # plots, pictures, films, ranks
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "gnuplot-nox | gnuplot, xvfb, xauth, ffmpeg")  # plots, pictures, films
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION
 "Simulates viscous liquids with particles and carries one textured triangle
 mesh along on the implicit surface that they define, by several velocity
@@ -33,4 +33,8 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION
 "Libraries and headers for find_package(kappaflow): the solver, the implicit
 surface and its tracker.")
+set(CPACK_DEBIAN_MPI_PACKAGE_NAME kappaflow-mpi)
+set(CPACK_DEBIAN_MPI_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_MPI_PACKAGE_DEPENDS "kappaflow (= ${PROJECT_VERSION}), openmpi-bin | mpich")
+set(CPACK_COMPONENT_MPI_DESCRIPTION "What kappaflow needs for runs of several processes by MPI.")
 include(CPack)

@@ -18,7 +18,7 @@
 #include "tools/commands/command_line.h"
 #include "tools/commands/command_options.h"
 #include "tools/commands/command_words.h"
-#include "tools/commands/mpi_ranks.h"
+#include "tools/commands/ranks_of_program.h"
 #include "tools/pictures/virtual_display.h"
 #include "tools/runs/check.h"
 #include "tools/runs/run_record.h"

@@ -1,5 +1,4 @@
-#include "tools/commands/mpi_ranks.h"
-
+// The module that a run of several processes loads: ranks_of_program.h.
 #define OMPI_SKIP_MPICXX
 #define MPICH_SKIP_MPICXX
 #include <mpi.h>
@@ -14,7 +13,7 @@
 #include <thread>
 
 #include "core/stopwatch.h"
-#include "tools/commands/started_processes.h"
+#include "solver/ranks.h"
 
 namespace kappaflow {
 namespace {
@@ -184,16 +183,16 @@ class MpiRanks : public Ranks {
 
 }  // namespace
 
-std::unique_ptr<Ranks> ranks_of_program() {
-  if (started_processes() == 1) return nullptr;
+}  // namespace kappaflow
+
+/// See ranks_of_program.h.
+extern "C" kappaflow::Ranks* kappaflow_mpi_ranks() {
   int got = 0;
   MPI_Init_thread(nullptr, nullptr, MPI_THREAD_SERIALIZED, &got);
-  auto ranks = std::make_unique<MpiRanks>();
+  auto* const ranks = new kappaflow::MpiRanks;
   if (ranks->rank() > 0) {  // the first rank heeds the signals that all get, and tells the others
     std::signal(SIGINT, SIG_IGN);
     std::signal(SIGTERM, SIG_IGN);
   }
   return ranks;
 }
-
-}  // namespace kappaflow
