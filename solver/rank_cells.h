@@ -60,10 +60,14 @@ class RankCells {
     }
     ranks_->gather(own_, sizes, all_);
     const std::byte* from = all_.data();
-    for (const std::uint32_t cell : cells_) {
-      const auto [begin, end] = range_of(cell);
-      std::memcpy(static_cast<void*>(values.data() + begin), from, sizeof(T) * (end - begin));
-      from += sizeof(T) * (end - begin);
+    for (std::size_t r = 0; r < sizes.size(); from += sizes[r], ++r) {
+      if (r == rank) continue;
+      const std::byte* next = from;
+      for (const std::uint32_t cell : cells_of(r)) {
+        const auto [begin, end] = range_of(cell);
+        std::memcpy(static_cast<void*>(values.data() + begin), next, sizeof(T) * (end - begin));
+        next += sizeof(T) * (end - begin);
+      }
     }
   }
 
