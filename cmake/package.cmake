@@ -35,6 +35,7 @@ set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION
 surface and its tracker.")
 set(CPACK_DEBIAN_MPI_PACKAGE_NAME kappaflow-mpi)
 set(CPACK_DEBIAN_MPI_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_MPI_PACKAGE_DEPENDS "kappaflow (= ${PROJECT_VERSION}), openmpi-bin | mpich")
+set(CPACK_DEBIAN_MPI_PACKAGE_DEPENDS "kappaflow (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_MPI_PACKAGE_RECOMMENDS "openmpi-bin | mpich")  # mpirun
 set(CPACK_COMPONENT_MPI_DESCRIPTION "What kappaflow needs for runs of several processes by MPI.")
 include(CPack)
