@@ -3,7 +3,7 @@
 #   cmake -DPROGRAM=... -DMPIRUN=... -DSOURCE_DIR=... -DFOLDER=... -P ranks.cmake
 cmake_minimum_required(VERSION 3.25)
 execute_process(COMMAND ${MPIRUN} --version OUTPUT_VARIABLE mpirun_is ERROR_VARIABLE mpirun_is)
-if(NOT mpirun_is MATCHES "Open MPI")  # whose words and exit codes are used here
+if(NOT mpirun_is MATCHES "Open MPI|OpenRTE")  # whose words and exit codes are used here
   message("Open MPI is not installed: skipped")
   return()
 endif()

@@ -8,7 +8,7 @@ export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 host_names=kapp
 
 skip() { echo "$1 is not installed: skipped"; exit 0; }
 fail() { echo "$1"; exit 1; }
-"$mpirun" --version 2>/dev/null | grep -q 'Open MPI' || skip "Open MPI"
+"$mpirun" --version 2>/dev/null | grep -qE 'Open MPI|OpenRTE' || skip "Open MPI"
 command -v ip unshare >/dev/null || skip "ip or unshare"
 trap 'for host in 1 2; do
         ip netns pids $host_names-$host 2>/dev/null | xargs -r kill -KILL || true
