@@ -176,7 +176,7 @@ void MomentumBalance::connect_by_bodies(const RigidMultigrid& multigrid, const V
     if (component != RigidLevel::kNone) component = root(component);
 }
 
-void MomentumBalance::restore(const RigidMultigrid& multigrid, const ViscousForces& forces,
+void MomentumBalance::restore(RigidMultigrid& multigrid, const ViscousForces& forces,
                               const FluidParticles& particles, const NeighbourLists& lists,
                               const WallSums& walls, const BodyDrag& bodies, float time_step,
                               std::vector<Vec4f>& v) {

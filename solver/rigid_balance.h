@@ -20,7 +20,7 @@ namespace kappaflow {
 class MomentumBalance {
  public:
   /// v*: particles.velocity. Precondition: multigrid.build() for the same arguments.
-  void restore(const RigidMultigrid& multigrid, const ViscousForces& forces, const FluidParticles& particles,
+  void restore(RigidMultigrid& multigrid, const ViscousForces& forces, const FluidParticles& particles,
                const NeighbourLists& lists, const WallSums& walls, const BodyDrag& bodies, float time_step,
                std::vector<Vec4f>& v);
 

@@ -6,6 +6,7 @@
 
 #include "core/bytes.h"
 #include "core/parallel.h"
+#include "solver/rank_cells.h"
 
 namespace kappaflow {
 namespace {
@@ -93,11 +94,17 @@ std::size_t RigidLevel::bytes() const {
                   first_in_row_, row_, first_of_colour_, coloured_, end_, inverse_);
 }
 
-void RigidLevel::reset() {
+bool RigidLevel::is_own(std::size_t cell) const {
+  return ranks_ == nullptr || ranks_->owns(cell);
+}
+
+void RigidLevel::reset(RankCells* ranks) {
+  ranks_ = ranks;
   link_cells();
   find_rows();
   find_colours();
   centre.resize(cells());
+  if (ranks_ != nullptr) ranks_->find_borders(*this);
 }
 
 void RigidLevel::make_room() {
@@ -147,11 +154,12 @@ void RigidLevel::find_rows() {
 
 void RigidLevel::find_colours() {
   first_of_colour_.assign(kColours + 1, 0);
-  for (const std::uint64_t k : key) ++first_of_colour_[k % kColours];
+  for (std::uint32_t cell = 0; cell < cells(); ++cell) first_of_colour_[colour(cell)] += is_own(cell);
   counts_to_begins(first_of_colour_);
-  coloured_.resize(cells());
+  coloured_.resize(first_of_colour_.back());
   end_ = first_of_colour_;
-  for (std::uint32_t cell = 0; cell < cells(); ++cell) coloured_[end_[key[cell] % kColours]++] = cell;
+  for (std::uint32_t cell = 0; cell < cells(); ++cell)
+    if (is_own(cell)) coloured_[end_[colour(cell)]++] = cell;
 }
 
 bool RigidLevel::coarsen(RigidLevel& finer) {
@@ -161,6 +169,7 @@ bool RigidLevel::coarsen(RigidLevel& finer) {
   make_room();
   parallel_for(
       cells(), [&](std::size_t cell) { gather_from(finer, cell); }, kCellGrain);
+  if (finer.ranks_ != nullptr) finer.ranks_->add_up(finer, finer.parent_, *this);
   return true;
 }
 
@@ -181,6 +190,7 @@ void RigidLevel::find_parents(RigidLevel& finer) {
   first_child_.push_back(static_cast<std::uint32_t>(finer.cells()));
 }
 
+/// Where ranks share the finer level: of this rank's cells, and of the links from them.
 void RigidLevel::gather_from(const RigidLevel& finer, std::size_t cell) {
   Vec4f sum = Vec4f::Zero();
   for (std::uint32_t child = first_child_[cell]; child < first_child_[cell + 1]; ++child) {
@@ -192,11 +202,13 @@ void RigidLevel::gather_from(const RigidLevel& finer, std::size_t cell) {
   anchor[cell] = {};
   std::fill(coupling.begin() + first_link[cell], coupling.begin() + first_link[cell + 1], RigidMatrix());
   for (std::uint32_t child = first_child_[cell]; child < first_child_[cell + 1]; ++child) {
-    anchor[cell] += rigid::matrix_from(finer.anchor[child], (finer.centre[child] - centre[cell]).head<3>());
-    for (std::uint32_t k = finer.first_link[child]; k < finer.first_link[child + 1]; ++k)
-      add_link(finer, cell, k, finer.parent_[finer.links[k].to]);
+    if (finer.is_own(child)) {
+      anchor[cell] += rigid::matrix_from(finer.anchor[child], (finer.centre[child] - centre[cell]).head<3>());
+      for (std::uint32_t k = finer.first_link[child]; k < finer.first_link[child + 1]; ++k)
+        add_link(finer, cell, k, finer.parent_[finer.links[k].to]);
+    }
     for (const std::uint32_t k : finer.links_to(child))
-      add_link(finer, cell, k, finer.parent_[finer.links[k].from]);
+      if (finer.is_own(finer.links[k].from)) add_link(finer, cell, k, finer.parent_[finer.links[k].from]);
   }
 }
 
@@ -225,9 +237,11 @@ RigidMatrix RigidLevel::diagonal(std::uint32_t cell) const {
 }
 
 void RigidLevel::invert(float inertia) {
+  if (ranks_ != nullptr) ranks_->exchange_links(coupling);
   parallel_for(
       cells(),
       [&](std::size_t cell) {
+        if (!is_own(cell)) return;
         inverse_[cell] = inverse_of(diagonal(static_cast<std::uint32_t>(cell)),
                                     static_cast<double>(inertia * centre[cell][3]));
       },
@@ -262,12 +276,14 @@ void RigidLevel::for_cells_of(std::uint64_t colour, const Work& work) const {
 }
 
 void RigidLevel::relax_from_zero() {
-  for (std::uint64_t k = 0; k < kColours; ++k)
+  for (std::uint64_t k = 0; k < kColours; ++k) {
     for_cells_of(k, [&](std::uint32_t cell) {
       motion[cell] = {};
       const RigidVector left = residual(cell, [&](std::uint32_t other) { return colour(other) < k; });
       motion[cell] = rigid::product(inverse_[cell], left);
     });
+    if (ranks_ != nullptr) ranks_->exchange(k, motion);
+  }
 }
 
 void RigidLevel::restrict_to(RigidLevel& coarser) const {
@@ -276,43 +292,30 @@ void RigidLevel::restrict_to(RigidLevel& coarser) const {
       [&](std::size_t above) {
         RigidVector sum;
         for (std::uint32_t cell = coarser.first_child_[above]; cell < coarser.first_child_[above + 1]; ++cell)
-          sum += rigid::load_from(residual(cell, kAll), without_fourth(centre[cell] - coarser.centre[above]));
+          if (is_own(cell))
+            sum +=
+                rigid::load_from(residual(cell, kAll), without_fourth(centre[cell] - coarser.centre[above]));
         coarser.load[above] = sum;
       },
       kParentGrain);
+  if (ranks_ != nullptr) ranks_->add_up(coarser.load);
 }
 
 void RigidLevel::relax() {
-  for (std::uint64_t k = kColours; k-- > 0;)
+  for (std::uint64_t k = kColours; k-- > 0;) {
     for_cells_of(
         k, [&](std::uint32_t cell) { motion[cell] += rigid::product(inverse_[cell], residual(cell, kAll)); });
+    if (ranks_ != nullptr) ranks_->exchange(k, motion);
+  }
 }
 
 void RigidLevel::add_from(const RigidLevel& coarser) {
   parallel_for(cells(), [&](std::size_t cell) {
+    if (ranks_ != nullptr && !ranks_->knows(cell)) return;
     const std::uint32_t above = parent_[cell];
     motion[cell] +=
         rigid::motion_about(coarser.motion[above], without_fourth(centre[cell] - coarser.centre[above]));
   });
-}
-
-void RigidLevel::find_components(bool coupled, std::vector<std::uint32_t>& root) const {
-  root.resize(cells());
-  std::iota(root.begin(), root.end(), 0u);
-  const auto root_of = [&](std::uint32_t cell) {
-    while (root[cell] != cell) cell = root[cell] = root[root[cell]];
-    return cell;
-  };
-  const auto is_coupled = [&](std::size_t link) {
-    const SymmetricMatrix& force = coupling[link].force;
-    return force[0] + force[1] + force[2] > 0;
-  };
-  for (std::size_t k = 0; k < links.size(); ++k) {
-    if (coupled && !is_coupled(k)) continue;
-    const auto [a, b] = std::minmax({root_of(links[k].from), root_of(links[k].to)});
-    root[b] = a;
-  }
-  for (std::uint32_t cell = 0; cell < cells(); ++cell) root[cell] = root_of(cell);
 }
 
 }  // namespace kappaflow

@@ -1,14 +1,18 @@
 // One level of the multigrid for viscosity: cells of liquid that move as rigid bodies.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <numeric>
 #include <span>
 #include <vector>
 
 #include "solver/rigid_motion.h"
 
 namespace kappaflow {
+
+class RankCells;
 
 /// Cubic cells of a grid, those that hold liquid, in Morton order, so that the 2x2x2 cells of a coarser one
 /// follow each other. Each has a rigid motion m about its centre; neighbours, also across edges and corners,
@@ -29,8 +33,9 @@ class RigidLevel {
   static std::uint64_t key_of(const std::array<std::int64_t, 3>& place);
   static std::array<std::int64_t, 3> place_of(std::uint64_t key);
 
-  /// Sets the cells to those of `key`, ascending, and links them.
-  void reset();
+  /// Sets the cells to those of `key`, ascending, and links them. ranks: that share the cells, each of which
+  /// then has the rows of its own ones.
+  void reset(RankCells* ranks = nullptr);
   /// Room for the sums over links and cells, which are not set.
   void make_room();
   /// Adds up the finer level's sums. Sets its cells' parents. False where there would be nothing to gain.
@@ -50,9 +55,14 @@ class RigidLevel {
   /// Adds the coarser level's motion.
   void add_from(const RigidLevel& coarser);
 
-  /// The connected component of each cell, by its first cell: of cells that are coupled, or of all that
-  /// touch.
-  void find_components(bool coupled, std::vector<std::uint32_t>& root) const;
+  /// Whether the link joins cells that resist each other.
+  bool is_coupled(std::size_t link) const {
+    const SymmetricMatrix& force = coupling[link].force;
+    return force[0] + force[1] + force[2] > 0;
+  }
+  /// The connected component of each cell, by its first cell, of the links for which counts(link).
+  template <class Select>
+  void find_components(std::vector<std::uint32_t>& root, const Select& counts) const;
 
   std::size_t bytes() const;
 
@@ -75,6 +85,7 @@ class RigidLevel {
   std::span<const std::uint32_t> links_to(std::size_t cell) const {
     return {row_.data() + first_in_row_[cell], first_in_row_[cell + 1] - first_in_row_[cell]};
   }
+  bool is_own(std::size_t cell) const;
   RigidMatrix diagonal(std::uint32_t cell) const;
   /// load - A motion at one cell, of the neighbours that count.
   template <class Select>
@@ -83,6 +94,7 @@ class RigidLevel {
   template <class Work>
   void for_cells_of(std::uint64_t colour, const Work& work) const;
 
+  RankCells* ranks_ = nullptr;
   std::vector<std::uint32_t> parent_;
   std::vector<std::uint32_t> first_child_;         // in the finer level
   std::vector<std::uint32_t> first_in_row_, row_;  // the links to a cell
@@ -90,5 +102,21 @@ class RigidLevel {
   std::vector<std::uint32_t> end_;  // of rows or colours, while they are filled
   std::vector<RigidMatrix> inverse_;
 };
+
+template <class Select>
+void RigidLevel::find_components(std::vector<std::uint32_t>& root, const Select& counts) const {
+  root.resize(cells());
+  std::iota(root.begin(), root.end(), 0u);
+  const auto root_of = [&](std::uint32_t cell) {
+    while (root[cell] != cell) cell = root[cell] = root[root[cell]];
+    return cell;
+  };
+  for (std::size_t k = 0; k < links.size(); ++k) {
+    if (!counts(k)) continue;
+    const auto [a, b] = std::minmax({root_of(links[k].from), root_of(links[k].to)});
+    root[b] = a;
+  }
+  for (std::uint32_t cell = 0; cell < cells(); ++cell) root[cell] = root_of(cell);
+}
 
 }  // namespace kappaflow

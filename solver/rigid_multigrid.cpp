@@ -49,7 +49,8 @@ WideSquares weighted_squares(const WideVec& x, const Wide& weight) {
 RigidMultigrid::RigidMultigrid(double spacing) : spacing_(spacing), levels_(1) {}
 
 std::size_t RigidMultigrid::bytes() const {
-  std::size_t sum = bytes_of(runs_, first_run_, inverse_diagonal_);
+  std::size_t sum =
+      bytes_of(runs_, first_run_, inverse_diagonal_, coupled_) + (shared_ ? shared_->bytes() : 0);
   for (const RigidLevel& level : levels_) sum += level.bytes();
   return sum;
 }
@@ -273,10 +274,6 @@ void RigidMultigrid::build(const ViscousForces& forces, const FluidParticles& pa
   });
   depth_ = 0;
   if (weak_) return;
-  if (shared_) {
-    shared_->complete(levels_.front().anchor);
-    shared_->complete_links(levels_.front().coupling, finest().first_link);
-  }
   for (depth_ = 1;; ++depth_) {
     if (levels_.size() == depth_) levels_.emplace_back();
     if (!levels_[depth_].coarsen(levels_[depth_ - 1])) break;
@@ -293,6 +290,16 @@ void RigidMultigrid::find_weak(const ViscousForces& forces, float time_step) {
   const auto weak = std::ranges::count(weak_fluid_, 1);
   weak_ = weak == std::ssize(weak_fluid_);
   any_weak_ = weak > 0 && !weak_;
+}
+
+void RigidMultigrid::find_components(std::vector<std::uint32_t>& component) {
+  const RigidLevel& level = finest();
+  if (weak_ || any_weak_) return level.find_components(component, [](std::size_t) { return true; });
+  if (!shared_) return level.find_components(component, [&](std::size_t k) { return level.is_coupled(k); });
+  coupled_.resize(level.links.size());
+  parallel_for(coupled_.size(), [&](std::size_t k) { coupled_[k] = level.is_coupled(k); });
+  shared_->complete_links(coupled_, level.first_link);
+  level.find_components(component, [&](std::size_t k) { return coupled_[k] != 0; });
 }
 
 /// Where ranks share the liquid, cells are those by which it is cut, of a lattice that has no corner.
@@ -359,7 +366,7 @@ void RigidMultigrid::find_cells() {
     while (k < runs_.size() && runs_[k].key == keys[cell]) ++k;
   }
   first_run_.back() = k;
-  levels_.front().reset();
+  levels_.front().reset(shared_ ? &*shared_ : nullptr);
 }
 
 void RigidMultigrid::find_centre(const FluidParticles& particles, std::size_t cell) {
@@ -388,7 +395,6 @@ double RigidMultigrid::restrict_to(std::size_t cell, const FluidParticles& parti
 
 double RigidMultigrid::solve() {
   if (depth_ == 0) return 0;
-  if (shared_) shared_->complete(levels_.front().load);
   for (std::size_t k = 0; k < depth_; ++k) {
     levels_[k].relax_from_zero();
     if (k + 1 < depth_) levels_[k].restrict_to(levels_[k + 1]);
@@ -398,10 +404,12 @@ double RigidMultigrid::solve() {
     levels_[k].relax();
   }
   const RigidLevel& level = levels_.front();
-  return sum_over_cells(0.0, [&](std::size_t cell) {
+  const double own = sum_over_cells(0.0, [&](std::size_t cell) {
+    if (!is_own(cell)) return 0.0;
     return level.load[cell].linear.cast<double>().dot(level.motion[cell].linear.cast<double>()) +
            level.load[cell].angular.cast<double>().dot(level.motion[cell].angular.cast<double>());
   });
+  return shared_ ? shared_->ranks().sum(own) : own;
 }
 
 }  // namespace kappaflow

@@ -51,9 +51,7 @@ class RigidMultigrid {
   }
 
   /// The connected component of each cell, by its first cell.
-  void find_components(std::vector<std::uint32_t>& component) const {
-    finest().find_components(!weak_ && !any_weak_, component);
-  }
+  void find_components(std::vector<std::uint32_t>& component);
   /// Whether viscosity changes the fluid's velocity little in a step.
   bool is_weak(std::size_t fluid) const { return weak_fluid_[fluid] != 0; }
   bool any_led() const { return any_led_; }
@@ -107,6 +105,7 @@ class RigidMultigrid {
   std::vector<Run> runs_;
   std::vector<std::uint32_t> first_run_;  // of a cell
   std::optional<RankCells> shared_;       // where ranks share the liquid
+  std::vector<char> coupled_;             // then: links
   std::vector<SymmetricMatrix> inverse_diagonal_;
   std::vector<RigidLevel> levels_;  // from fine to coarse
   std::size_t depth_ = 0;           // levels in use; 0: M is D
