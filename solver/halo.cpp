@@ -15,7 +15,7 @@ namespace {
 constexpr float kMargin = 0.01f;      // [spacings]
 constexpr float kRounding = 1e-6f;    // of a position
 constexpr std::size_t kChunk = 1024;  // particles that one task looks at
-constexpr std::size_t kRoom = 2;      // times a rank's particles, that their arrays may have
+constexpr double kMostRoom = 1.5;     // times a rank's particles, that their arrays may have
 
 template <class T>
 void append(std::vector<std::byte>& bytes, const std::vector<T>& values,
@@ -32,7 +32,7 @@ void append(std::vector<std::byte>& bytes, const std::vector<T>& values,
 template <class T>
 void take(std::span<const std::byte>& bytes, std::size_t count, std::vector<T>& values) {
   const std::size_t before = values.size();
-  values.resize(before + count);
+  resize_closely(values, before + count);
   if (count > 0) std::memcpy(static_cast<void*>(&values[before]), bytes.data(), sizeof(T) * count);
   bytes = bytes.subspan(sizeof(T) * count);
 }
@@ -84,7 +84,8 @@ void Halo::migrate(FluidParticles& particles) {
     const std::size_t count = package.size() / width;
     FluidParticles::for_state(heat_, [&](auto member) { take(left, count, particles.*member); });
   }
-  if (particles.id.capacity() > kRoom * particles.size()) particles.shrink();
+  if (static_cast<double>(particles.id.capacity()) > kMostRoom * static_cast<double>(particles.size()))
+    particles.shrink();
   own_ = particles.size();
   counts_ = ranks_.one_of_each(own_);
   total_ = std::accumulate(counts_.begin(), counts_.end(), std::size_t{0});

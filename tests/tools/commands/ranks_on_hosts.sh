@@ -15,8 +15,8 @@ trap 'for host in 1 2; do
         ip netns delete $host_names-$host 2>/dev/null || true
       done' EXIT
 { ip netns add "$host_names-1" && ip netns add "$host_names-2" &&
-    ip link add one netns "$host_names-1" type veth peer name two netns "$host_names-2"; } 2>/dev/null ||
-  skip "what makes network namespaces"
+    ip link add one netns "$host_names-1" type veth peer name two netns "$host_names-2" &&
+    ip netns exec "$host_names-1" true; } 2>/dev/null || skip "what makes network namespaces"
 ip -n "$host_names-1" addr add 10.77.0.1/24 dev one
 ip -n "$host_names-2" addr add 10.77.0.2/24 dev two
 for host in 1 2; do ip -n "$host_names-$host" link set lo up; done
@@ -53,8 +53,7 @@ until [ -e lost/checkpoint.bin ] && [ -e lost/particles/particles_0002.vtp ]; do
   sleep 0.05
 done
 ip netns pids "$host_names-2" | xargs kill -KILL
-code=0
-wait $run || code=$?
-[ $code -ne 0 ] || fail "a run that lost a host ended well"
+wait $run || true  # Open MPI 5 ends with 0 all the same
+before=$(ls lost/particles | wc -l)
 "$program" run --resume lost --quiet
-[ -e lost/particles.pvd ] || fail "it did not go on"
+[ "$(ls lost/particles | wc -l)" -gt "$before" ] || fail "it was not stopped, or did not go on"
