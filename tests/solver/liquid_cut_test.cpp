@@ -1,0 +1,90 @@
+#include "solver/liquid_cut.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+
+#include "solver/fluid_particles.h"
+#include "tests/solver/shapes.h"
+#include "tests/solver/thread_ranks.h"
+
+namespace kappaflow {
+namespace {
+
+constexpr double kSpacing = 0.05;
+
+std::vector<Vec4f> places(const std::vector<Vec3>& points) {
+  std::vector<Vec4f> result;
+  for (const Vec3& x : points) result.emplace_back(padded(x));
+  return result;
+}
+
+/// The cuts that the ranks make of the points, of which each has every size-th.
+std::vector<LiquidCut> cuts_of(const std::vector<Vec4f>& points, int size) {
+  std::vector<LiquidCut> cuts(static_cast<std::size_t>(size), LiquidCut(kSpacing));
+  RankBoard board(size);
+  std::vector<std::jthread> threads;
+  for (int rank = 0; rank < size; ++rank)
+    threads.emplace_back([&, rank] {
+      std::vector<Vec4f> own;
+      for (std::size_t i = static_cast<std::size_t>(rank); i < points.size();
+           i += static_cast<std::size_t>(size))
+        own.push_back(points[i]);
+      ThreadRanks ranks(board, rank);
+      cuts[static_cast<std::size_t>(rank)].cut(own, ranks);
+    });
+  threads.clear();
+  return cuts;
+}
+
+std::vector<std::vector<Vec4f>> shapes() {
+  std::vector<Vec3> far = test::blob(0.4, kSpacing);
+  for (const Vec3& x : test::blob(0.3, kSpacing)) far.push_back(x + Vec3(1e4, -2e4, 3e3));
+  return {places(test::block({0, 0, 0}, {4, 0.3, 1}, kSpacing)), places(test::blob(0.6, kSpacing)),
+          places(far), places({Vec3(1, 2, 3)})};
+}
+
+// A halving is off by half a cell; the shares of what is left even that out again, but for a cell.
+TEST(LiquidCut, SharesParticlesEvenlyAsCellsAllow) {
+  for (const std::vector<Vec4f>& points : shapes())
+    for (const int size : {1, 2, 3, 5, 8}) {
+      const LiquidCut cut = cuts_of(points, size).front();
+      std::map<LiquidCut::Place, double> in_cell;
+      std::map<int, double> of_rank;
+      for (const Vec4f& x : points) {
+        ++in_cell[cut.place_of(x)];
+        ++of_rank[cut.owner_of(cut.place_of(x))];
+      }
+      double largest = 0;
+      for (const auto& [place, count] : in_cell) largest = std::max(largest, count);
+      for (int rank = 0; rank < size; ++rank)
+        EXPECT_NEAR(of_rank[rank], static_cast<double>(points.size()) / size, 1 + largest)
+            << rank << " of " << size << ", " << points.size() << " points";
+      EXPECT_LE(of_rank.size(), static_cast<std::size_t>(size));
+    }
+}
+
+TEST(LiquidCut, IsTheSameOnAllRanksAlsoWhereNoLiquidIs) {
+  const std::vector<Vec4f> points = shapes()[2];
+  const std::vector<LiquidCut> cuts = cuts_of(points, 5);
+  for (std::int64_t x = -20; x < 20; x += 3)
+    for (std::int64_t y = -20; y < 20; y += 2)
+      for (const LiquidCut& cut : cuts)
+        EXPECT_EQ(cut.owner_of({x, y, x - y}), cuts[0].owner_of({x, y, x - y}));
+  EXPECT_EQ(cuts[0].owner_of(cuts[0].place_of(Vec4f(1e30f, 0, 0, 0))),
+            cuts[4].owner_of(cuts[4].place_of(Vec4f(1e30f, 0, 0, 0))));
+}
+
+// Two ranks of a long block touch in one plane.
+TEST(LiquidCut, GoesAcrossTheLongestExtent) {
+  const std::vector<Vec4f> points = shapes()[0];
+  const LiquidCut cut = cuts_of(points, 2).front();
+  for (const Vec4f& x : points)
+    if (std::abs(x[0] - 2) > 0.2f) {
+      EXPECT_EQ(cut.owner_of(cut.place_of(x)), x[0] > 2 ? 1 : 0) << x.transpose();
+    }
+}
+
+}  // namespace
+}  // namespace kappaflow
