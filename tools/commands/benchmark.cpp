@@ -4,6 +4,7 @@
 #include <tbb/global_control.h>
 
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "core/stopwatch.h"
@@ -129,7 +130,12 @@ constexpr Column kColumns[] = {
      [](const Measurement& m) { return static_cast<double>(m.particles) / m.seconds.step; }, 0},
     {"seconds_per_simulated_second", [](const Measurement& m) { return m.seconds.step / m.time_step; }, 1},
     {"bytes_per_particle",
-     [](const Measurement& m) { return per(static_cast<double>(m.memory.fluid), m.particles); }, 0},
+     [](const Measurement& m) {
+       double all = m.shares.empty() ? static_cast<double>(m.memory.fluid) : 0;
+       for (const RankShare& share : m.shares) all += static_cast<double>(share.memory);
+       return per(all, m.particles);
+     },
+     0},
     {"bytes_per_wall_particle",
      [](const Measurement& m) { return per(static_cast<double>(m.memory.walls), m.memory.wall_particles); },
      0},
@@ -217,9 +223,9 @@ std::string benchmark(const BenchmarkOptions& options) {
 }
 
 void follow_benchmark(const BenchmarkOptions& options) {
-  RankTask task = RankTask::collect_shares;  // of none yet
+  std::optional<RankTask> task;  // what the first rank does next, once it has said so
   for_cases(options, [&](const PreparedScene& sized, int threads) {
-    if (task == RankTask::collect_shares) task = options.ranks->next_order().task;
+    if (!task) task = options.ranks->next_order().task;
     if (task == RankTask::end) return;
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                     static_cast<std::size_t>(threads));

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string>
 #include <system_error>
 
@@ -13,6 +14,19 @@
 namespace kappaflow {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+/// Windows parts folders by a backslash.
+fs::path piece_in(const fs::path& folder, const std::string& source) {
+  std::error_code ignored;
+  if (fs::exists(folder / source, ignored)) return folder / source;
+  std::string other = source;
+  std::ranges::replace(other, '\\', '/');
+  return folder / other;
+}
+
+}  // namespace
 
 bool is_parallel_vtk(const fs::path& file) {
   const std::string ending = lower_case(file.extension().string());
@@ -32,7 +46,7 @@ std::vector<fs::path> pieces_of(const fs::path& file) {
   }
   std::vector<fs::path> pieces;
   for (const std::string& source : sources) {
-    const fs::path& piece = pieces.emplace_back(file.parent_path() / source);
+    const fs::path& piece = pieces.emplace_back(piece_in(file.parent_path(), source));
     if (lower_case(piece.extension().string()) != ending)
       throw IoError(file.string(), fmt::format("its piece {} is no {}", one_line(source, 200), ending));
     if (std::error_code ignored; !fs::exists(piece, ignored))

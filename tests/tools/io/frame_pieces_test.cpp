@@ -73,6 +73,13 @@ TEST_F(FramePieces, MayHaveNoPoints) {
   EXPECT_EQ(failure({of_vtk("empty.vtp"), of_vtk("empty.vtp")}), path("list.pvtp") + ": holds no particles");
 }
 
+TEST_F(FramePieces, MayBeNamedAsWindowsDoes) {
+  fs::create_directory(folder / "parts");
+  for (const char* name : {"frames_0_0.vtp", "frames_0_1.vtp"})
+    fs::copy(kByVtk / name, folder / "parts" / name);
+  expect_block(read_input_frame(list({"parts\\frames_0_0.vtp", "parts\\frames_0_1.vtp"})), 0);
+}
+
 TEST_F(FramePieces, ThatDoNotFitAreSaid) {
   const auto csv = [&](const char* name, bool ids, bool velocities) {
     file(name, csv_text(moved_block({}, 0), ids, velocities));
