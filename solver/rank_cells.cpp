@@ -1,7 +1,6 @@
 #include "solver/rank_cells.h"
 
 #include <algorithm>
-#include <tuple>
 
 #include "solver/rigid_level.h"
 
@@ -65,8 +64,7 @@ void RankCells::find_borders(const RigidLevel& level) {
   const auto colour = [&](std::uint32_t cell) { return level.key[cell] % kColours; };
   const auto in_order = [&](std::vector<std::uint32_t>& cells, std::array<std::size_t, kColours + 1>& first) {
     std::ranges::sort(cells, {}, [&](std::uint32_t cell) { return std::pair(colour(cell), cell); });
-    const auto rest = std::ranges::unique(cells);
-    cells.erase(rest.begin(), rest.end());
+    cells.erase(std::unique(cells.begin(), cells.end()), cells.end());  // not as a range, for clang 14
     first.fill(0);
     for (const std::uint32_t cell : cells) ++first[colour(cell) + 1];
     std::partial_sum(first.begin(), first.end(), first.begin());
