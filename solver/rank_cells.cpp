@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "solver/rigid_level.h"
-
 namespace kappaflow {
 namespace {
 
@@ -61,12 +59,11 @@ void RankCells::find_borders(const RigidLevel& level) {
     known_[outside] = 1;
   }
   std::ranges::sort(borders_, {}, &Border::rank);
-  const auto colour = [&](std::uint32_t cell) { return level.key[cell] % kColours; };
-  const auto in_order = [&](std::vector<std::uint32_t>& cells, std::array<std::size_t, kColours + 1>& first) {
-    std::ranges::sort(cells, {}, [&](std::uint32_t cell) { return std::pair(colour(cell), cell); });
+  const auto in_order = [&](std::vector<std::uint32_t>& cells, auto& first) {
+    std::ranges::sort(cells, {}, [&](std::uint32_t cell) { return std::pair(level.colour(cell), cell); });
     cells.erase(std::unique(cells.begin(), cells.end()), cells.end());  // not as a range, for clang 14
     first.fill(0);
-    for (const std::uint32_t cell : cells) ++first[colour(cell) + 1];
+    for (const std::uint32_t cell : cells) ++first[level.colour(cell) + 1];
     std::partial_sum(first.begin(), first.end(), first.begin());
   };
   for (Border& border : borders_) {

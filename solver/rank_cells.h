@@ -12,11 +12,9 @@
 
 #include "core/bytes.h"
 #include "solver/ranks.h"
-#include "solver/rigid_motion.h"
+#include "solver/rigid_level.h"
 
 namespace kappaflow {
-
-class RigidLevel;
 
 /// The finest cells, each of which has one owner (LiquidCut): that computes its sums, its row of the system
 /// and its motion. A rank is told what stands beside its own cells, and the sums of all coarser ones, an
@@ -62,12 +60,11 @@ class RankCells {
   std::size_t bytes() const { return bytes_of(cells_, owner_, known_, parents_, outbox_, inbox_); }
 
  private:
-  static constexpr std::size_t kColours = 8;
   /// With another rank: cells in the order of their colours, and where each colour begins.
   struct Border {
     int rank = 0;
     std::vector<std::uint32_t> sent, received, links_sent, links_received;
-    std::array<std::size_t, kColours + 1> first_sent{}, first_received{};
+    std::array<std::size_t, RigidLevel::kColours + 1> first_sent{}, first_received{};
   };
 
   std::span<const std::uint32_t> cells_of(std::size_t rank) const {

@@ -44,6 +44,7 @@ class RigidLevel {
   void invert(float inertia);
 
   std::size_t cells() const { return key.size(); }
+  std::uint64_t colour(std::size_t cell) const { return key[cell] % kColours; }
 
   /// The motions that half a round of block Gauss-Seidel finds for A motion = load from 0, by colours, which
   /// do not touch each other.
@@ -90,7 +91,6 @@ class RigidLevel {
   /// load - A motion at one cell, of the neighbours that count.
   template <class Select>
   RigidVector residual(std::uint32_t cell, const Select& counts) const;
-  std::uint64_t colour(std::size_t cell) const { return key[cell] % kColours; }
   template <class Work>
   void for_cells_of(std::uint64_t colour, const Work& work) const;
 

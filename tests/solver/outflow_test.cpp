@@ -27,13 +27,7 @@ FluidOptions options() {
 /// A stream along x into a box, with a ball on its way that takes its middle.
 FluidOptions stream() {
   FluidOptions o = options();
-  Emitter e;
-  e.mouth = RectangleMouth{6 * kSpacing, 6 * kSpacing};
-  e.direction = Vec3::UnitX();
-  e.speed = 2;
-  e.source = 4;
-  o.emitters = {e};
-  o.outflows = {{BoxShape{Vec3(0.4, -1, -1), Vec3(1, 1, 1)}}, {SphereShape{Vec3(0.3, 0, 0), 0.06}}};
+  test::add_stream(o);
   return o;
 }
 

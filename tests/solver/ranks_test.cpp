@@ -13,6 +13,7 @@
 #include "core/saved_state.h"
 #include "solver/wall_bodies.h"
 #include "tests/solver/shapes.h"
+#include "tests/solver/streams.h"
 #include "tests/solver/thread_ranks.h"
 
 namespace kappaflow {
@@ -57,13 +58,7 @@ FluidSolver spinning_drop(Ranks* ranks) {
 /// A stream along x into a box, with a ball on its way that takes its middle.
 FluidSolver stream(Ranks* ranks) {
   FluidOptions o = options(0.01);
-  Emitter e;
-  e.mouth = RectangleMouth{6 * kSpacing, 6 * kSpacing};
-  e.direction = Vec3::UnitX();
-  e.speed = 2;
-  e.source = 4;
-  o.emitters = {e};
-  o.outflows = {{BoxShape{Vec3(0.4, -1, -1), Vec3(1, 1, 1)}}, {SphereShape{Vec3(0.3, 0, 0), 0.06}}};
+  test::add_stream(o);
   return {o, {}, {}, {}, {}, {}, {}, {}, ranks};
 }
 

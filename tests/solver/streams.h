@@ -18,6 +18,17 @@ inline Emitter downward(double radius, double speed) {
   return e;
 }
 
+/// Adds a stream along x into a box, with a ball on its way that takes its middle.
+inline void add_stream(FluidOptions& o) {
+  Emitter e;
+  e.mouth = RectangleMouth{6 * o.spacing, 6 * o.spacing};
+  e.direction = Vec3::UnitX();
+  e.speed = 2;
+  e.source = 4;
+  o.emitters = {e};
+  o.outflows = {{BoxShape{Vec3(0.4, -1, -1), Vec3(1, 1, 1)}}, {SphereShape{Vec3(0.3, 0, 0), 0.06}}};
+}
+
 inline void run(FluidSolver& s, double time) {
   while (s.time() < time) s.step(time - s.time());
 }
