@@ -27,8 +27,18 @@ std::vector<std::int64_t> ids_that_go_on(const InputFrame& frame) {
 InputFrames::InputFrames(FileSeries series, std::size_t limit) : series_(std::move(series)), room_(limit) {}
 
 InputFrame InputFrames::read(std::size_t frame) {
+  if (ahead_.valid() && number_ahead_ == frame) return ahead_.get();
   if (sigma_ == 0) return read_input_frame(series_.files_of(frame));
   return read_near_surface(series_.files_of(frame), sigma_, ids_before(frame));
+}
+
+/// Where only particles near the surface are kept, frames are large: then only one is read at a time.
+void InputFrames::read_ahead(std::size_t frame) {
+  if (sigma_ > 0 || frame == series_.files.size() || is_here(frame)) return;
+  const auto files = series_.files_of(frame);
+  number_ahead_ = frame;
+  ahead_ = std::async(std::launch::async,
+                      [own = std::vector(files.begin(), files.end())] { return read_input_frame(own); });
 }
 
 /// Of the particles that go on from the frame before, ascending.
@@ -44,6 +54,7 @@ const InputFrame& InputFrames::operator[](std::size_t frame) {
   for (auto* frames : {&kept_, &last_})
     if (const auto found = frames->find(frame); found != frames->end()) return found->second;
   InputFrame now = read(frame);
+  read_ahead(frame + 1);
   if (series_.backward)
     for (Vec3& velocity : now.velocity) velocity = -velocity;
   const std::size_t bytes = bytes_in(now);

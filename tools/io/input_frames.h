@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <future>
 #include <map>
 #include <vector>
 
@@ -11,9 +12,9 @@
 
 namespace kappaflow {
 
-/// Reads frames when they are asked for. The first to be read stay in memory, up to a limit; of the others
-/// only those read last do. So who goes through a series twice, to check it and to use it, reads each file
-/// once where the series fits.
+/// Reads frames when they are asked for, and the next one beside what else is done. The first to be read stay
+/// in memory, up to a limit; of the others only those read last do. So who goes through a series twice, to
+/// check it and to use it, reads each file once where the series fits.
 class InputFrames {
  public:
   static constexpr std::size_t kMostBytes = std::size_t{512} << 20;
@@ -40,6 +41,8 @@ class InputFrames {
 
  private:
   InputFrame read(std::size_t frame);
+  bool is_here(std::size_t frame) const { return kept_.contains(frame) || last_.contains(frame); }
+  void read_ahead(std::size_t frame);
   std::vector<std::int64_t> ids_before(std::size_t frame);
 
   FileSeries series_;
@@ -47,6 +50,8 @@ class InputFrames {
   std::size_t room_;                        // left for frames that stay [bytes]
   std::map<std::size_t, InputFrame> kept_;  // for good
   std::map<std::size_t, InputFrame> last_;  // those read last, at most kWindow
+  std::future<InputFrame> ahead_;           // of the frame number_ahead_, where it is valid
+  std::size_t number_ahead_ = 0;
 };
 
 }  // namespace kappaflow

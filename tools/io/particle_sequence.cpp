@@ -4,17 +4,20 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <iterator>
 #include <numeric>
 #include <span>
 #include <system_error>
-#include <tuple>
 #include <utility>
 
 #include "core/errors.h"
+#include "core/hashed_bins.h"
 #include "core/nearest_points.h"
 #include "core/quantile.h"
+#include "core/split_mix.h"
 #include "core/text_hash.h"
 #include "tools/io/frame_times.h"
 #include "tools/io/near_surface.h"
@@ -29,7 +32,7 @@ namespace fs = std::filesystem;
 std::vector<std::size_t> order_by_id(std::span<const std::int64_t> id) {
   std::vector<std::size_t> order(id.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return id[i]; });
+  if (!std::ranges::is_sorted(id)) std::ranges::stable_sort(order, {}, [&](std::size_t i) { return id[i]; });
   return order;
 }
 
@@ -87,7 +90,7 @@ struct Displacements {
   double agreement() const { return along_velocity * along_velocity / (velocity2 * displacement2); }
 };
 
-/// How particles move in a frame beside their neighbours: medians [m].
+/// How particles move in a frame beside their neighbours: medians, in large frames of some of them [m].
 struct NeighbourMotion {
   double spacing;  // to a neighbour
   double own;      // a particle's motion, less that of all
@@ -95,13 +98,17 @@ struct NeighbourMotion {
 };
 
 NeighbourMotion neighbour_motion(const InputFrame& before, const InputFrame& after, IndexPairs pairs) {
+  constexpr std::size_t kEnough = 10000;
+  const std::size_t stride = 2 * (pairs.size() / (2 * kEnough) + 1);
   Vec3 mean = Vec3::Zero();
-  std::array<std::vector<Vec3>, 2> place, motion;  // of every other particle, and of those between them
+  std::array<std::vector<Vec3>, 2> place, motion;  // of some particles, and of every other one
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     const Vec3& from = before.position[pairs[k].first];
+    const Vec3 moved = after.position[pairs[k].second] - from;
+    mean += moved / static_cast<double>(pairs.size());
+    if (k % 2 == 0 && k % stride != 0) continue;
     place[k % 2].push_back(from);
-    motion[k % 2].push_back(after.position[pairs[k].second] - from);
-    mean += motion[k % 2].back() / static_cast<double>(pairs.size());
+    motion[k % 2].push_back(moved);
   }
   const std::vector<std::uint32_t> neighbour = nearest_points(place[1], place[0]);
   std::vector<double> spacing, own, apart;
@@ -291,19 +298,23 @@ Vec3 derivative_at(double t, std::span<const double> time, std::span<const Vec3>
 }  // namespace
 
 Coincidence coincident_particles(std::span<const Vec3> position) {
-  std::vector<std::size_t> order(position.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  const auto key = [&](std::size_t i) {
-    return std::tuple(position[i].x(), position[i].y(), position[i].z(), i);
+  const auto key_of = [](const Vec3& x) {
+    std::uint64_t key = 0;
+    for (const double c : x) key = split_mix(key + std::bit_cast<std::uint64_t>(c + 0.0));  // -0 is 0
+    return key;
   };
-  std::ranges::sort(order, {}, key);
+  std::vector<HashedBins::Entry> entries(position.size());
+  for (std::size_t i = 0; i < position.size(); ++i) entries[i] = {key_of(position[i]), static_cast<int>(i)};
+  const HashedBins bins(entries);
   Coincidence found;
-  for (std::size_t k = 1; k < order.size(); ++k) {
-    if (position[order[k]] != position[order[k - 1]]) continue;
-    if (found.count++ > 0 && order[k] > found.second) continue;
-    found.first = order[k - 1];
-    found.second = order[k];
-  }
+  for (std::size_t i = 0; i < position.size(); ++i)
+    for (const HashedBins::Entry& other : bins.near(entries[i].key)) {
+      const auto before = static_cast<std::size_t>(other.number);
+      if (before >= i) break;
+      if (position[before] != position[i]) continue;
+      if (found.count++ == 0) found.first = before, found.second = i;
+      break;
+    }
   return found;
 }
 

@@ -6,7 +6,6 @@
 #include <vtkLZMADataCompressor.h>
 #include <vtkNew.h>
 #include <vtkSmartPointer.h>
-#include <vtkZLibDataCompressor.h>
 
 #include <algorithm>
 #include <array>
@@ -14,6 +13,7 @@
 
 #include "core/errors.h"
 #include "core/text_scanner.h"
+#include "tools/io/zlib_compressor.h"
 
 namespace kappaflow {
 namespace {
@@ -27,13 +27,25 @@ constexpr std::size_t kMostCompressed = 8192;
 
 constexpr int kNoDigit = -1, kPadding = -2;
 
-int base64_digit(char c) {
+constexpr int base64_digit(char c) {
   if (c >= 'A' && c <= 'Z') return c - 'A';
   if (c >= 'a' && c <= 'z') return c - 'a' + 26;
   if (c >= '0' && c <= '9') return c - '0' + 52;
   if (c == '+') return 62;
   if (c == '/') return 63;
   return c == '=' ? kPadding : kNoDigit;
+}
+
+/// Of every character; negative where it is no digit.
+constexpr auto kDigits = [] {
+  std::array<std::int8_t, 256> digits{};
+  for (int c = 0; c < 256; ++c)
+    digits[static_cast<std::size_t>(c)] = static_cast<std::int8_t>(base64_digit(static_cast<char>(c)));
+  return digits;
+}();
+
+int digit_of(char c) {
+  return kDigits[static_cast<unsigned char>(c)];
 }
 
 /// Bytes one after the other, decoded as they are asked for, and each valid until the next: several pieces of
@@ -50,20 +62,41 @@ class Bytes {
       return result;
     }
     decoded_.erase(0, read_);
-    while (decoded_.size() < count) decode_four();
+    while (decoded_.size() < count) {
+      decode_digits(count);
+      if (decoded_.size() < count) decode_four();
+    }
     read_ = count;
     return std::string_view(decoded_).substr(0, count);
   }
   std::size_t at_most() const { return text_.size() + decoded_.size() - read_; }
 
  private:
+  /// Of the digits that come next as many groups of four as make up `count` bytes: nearly all of a text, and
+  /// ten times as fast as one by one.
+  void decode_digits(std::size_t count) {
+    const std::size_t before = decoded_.size(), most = std::min((count - before + 2) / 3, text_.size() / 4);
+    decoded_.resize(before + 3 * most);
+    std::size_t n = 0;
+    for (; n < most; ++n) {
+      const char* four = text_.data() + 4 * n;
+      const int a = digit_of(four[0]), b = digit_of(four[1]), c = digit_of(four[2]), d = digit_of(four[3]);
+      if ((a | b | c | d) < 0) break;
+      char* three = decoded_.data() + before + 3 * n;
+      three[0] = static_cast<char>(a << 2 | b >> 4);
+      three[1] = static_cast<char>(b << 4 | c >> 2);
+      three[2] = static_cast<char>(c << 6 | d);
+    }
+    decoded_.resize(before + 3 * n);
+    text_.remove_prefix(4 * n);
+  }
   void decode_four() {
     std::uint32_t group = 0;
     int digits = 0;
     for (int i = 0; i < 4; ++i) {
       text_.remove_prefix(std::min(text_.find_first_not_of(" \t\r\n"), text_.size()));
       if (text_.empty()) fail_short();
-      const int digit = base64_digit(text_.front());
+      const int digit = digit_of(text_.front());
       if (digit == kNoDigit || (digit != kPadding && digits < i) || (digit == kPadding && i < 2))
         throw InvalidInput(
             fmt::format("has \"{}\" where base64 is expected", one_line(text_.substr(0, 1), 1)));
@@ -90,7 +123,7 @@ std::size_t read_size(Bytes& bytes, const DataEncoding& encoding) {
 
 vtkSmartPointer<vtkDataCompressor> compressor_of(std::string_view name) {
   vtkSmartPointer<vtkDataCompressor> compressor;
-  if (name == "vtkZLibDataCompressor") compressor = vtkSmartPointer<vtkZLibDataCompressor>::New();
+  if (name == "vtkZLibDataCompressor") compressor = vtkSmartPointer<ZLibCompressor>::New();
   if (name == "vtkLZ4DataCompressor") compressor = vtkSmartPointer<vtkLZ4DataCompressor>::New();
   if (name == "vtkLZMADataCompressor") compressor = vtkSmartPointer<vtkLZMADataCompressor>::New();
   if (compressor == nullptr)
@@ -115,12 +148,12 @@ std::string uncompressed(Bytes& bytes, const DataEncoding& encoding) {
     const std::size_t expected = b + 1 == blocks && last != 0 ? last : size;
     if (expected / kMostCompressed > block.size())
       throw InvalidInput("has a size in its binary data that is not possible");
-    std::string whole(expected, '\0');
     const auto* from = reinterpret_cast<const unsigned char*>(block.data());
-    if (compressor->Uncompress(from, block.size(), reinterpret_cast<unsigned char*>(whole.data()),
-                               expected) != expected)
+    const std::size_t before = result.size();
+    result.resize(before + expected);
+    auto* to = reinterpret_cast<unsigned char*>(result.data() + before);
+    if (compressor->Uncompress(from, block.size(), to, expected) != expected)
       throw InvalidInput("has a compressed block that is damaged");
-    result += whole;
   }
   return result;
 }

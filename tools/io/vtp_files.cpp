@@ -7,6 +7,7 @@
 #include <vtkDoubleArray.h>
 #include <vtkFieldData.h>
 #include <vtkIntArray.h>
+#include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkTypeInt64Array.h>
 #include <vtkUnsignedCharArray.h>
@@ -19,6 +20,7 @@
 #include "surface/field/particle_weights.h"
 #include "tools/io/files.h"
 #include "tools/io/vtk_arrays.h"
+#include "tools/io/zlib_compressor.h"
 
 namespace kappaflow {
 namespace {
@@ -139,8 +141,7 @@ void write_vtp(const std::filesystem::path& path, vtkPolyData& data) {
   writer->SetInputData(&data);
   writer->SetDataModeToBinary();  // VTK's default, appended data, is not well-formed XML: ParaView 5.11
                                   // rejects it
-  writer->SetCompressorTypeToZLib();
-  writer->SetCompressionLevel(1);  // the fastest: floats hardly compress
+  writer->SetCompressor(vtkNew<ZLibCompressor>());
   writer->WriteToOutputStringOn();
   if (writer->Write() == 0 || errors->failed) throw IoError(path.string(), "VTK cannot encode the data");
   write_file(path, writer->GetOutputString());

@@ -48,5 +48,15 @@ TEST_F(InputFramesOf, BeyondTheLimitOnlyTheFirstAndTheLastReadStay) {
   EXPECT_THROW(frames[2], IoError);
 }
 
+TEST_F(InputFramesOf, AnErrorOfTheNextFrameIsTheNextFrames) {
+  std::filesystem::remove(files[1]);
+  FileSeries series;
+  series.files = files;
+  InputFrames frames(series);
+  EXPECT_EQ(frames[0].position.size(), moved_block({}, 0).size());
+  EXPECT_THROW(frames[1], IoError);
+  EXPECT_EQ(frames[2].position.size(), frames[0].position.size());
+}
+
 }  // namespace
 }  // namespace kappaflow

@@ -194,6 +194,44 @@ TEST_F(Ids, OfRowsWhoseOrderChangesAreNoted) {
   }
 }
 
+/// Of large frames some particles are asked.
+TEST_F(Ids, OfLargeFramesAreNotedLikewise) {
+  const auto frame = [](int k, bool follow) {
+    Particles p;
+    for (int i = 0; i < 42000; ++i) {
+      p.id.push_back(i);
+      p.position.push_back(kBodySpacing * Vec3(i % 35 + 3 * k, i / 35 % 40, i / 1400));
+    }
+    if (!follow && k == 1) std::shuffle(p.id.begin(), p.id.end(), std::mt19937(1));
+    return p;
+  };
+  EXPECT_EQ(notes([&](int k) { return frame(k, true); }), std::vector<std::string>());
+  EXPECT_EQ(notes([&](int k) { return frame(k, false); }).size(), 1u);
+}
+
+TEST(Coincident, ParticlesAreCountedAsByComparingAll) {
+  std::mt19937 random(3);
+  std::uniform_int_distribution<int> place(-3, 3);
+  for (int round = 0; round < 20; ++round) {
+    std::vector<Vec3> position;
+    for (int i = 0; i < 100; ++i) position.emplace_back(place(random), place(random), place(random));
+    for (Vec3& x : position)
+      if (x.z() == 0 && place(random) > 0) x.z() = -0.0;
+    Coincidence expected;
+    for (std::size_t i = 0; i < position.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j) {
+        if (position[i] != position[j]) continue;
+        if (expected.count++ == 0) expected.first = j, expected.second = i;
+        break;
+      }
+    const Coincidence found = coincident_particles(position);
+    EXPECT_GT(expected.count, 0u);
+    EXPECT_EQ(found.count, expected.count);
+    EXPECT_EQ(found.first, expected.first);
+    EXPECT_EQ(found.second, expected.second);
+  }
+}
+
 TEST_F(Ids, ThatAreInOneFrameOnlyAreNoted) {
   const auto found = notes([](int k) {
     Particles p = moved_block(kBodyMotion, 0.1 * k);
