@@ -3,6 +3,7 @@
 #include <libdeflate.h>
 #include <vtkObjectFactory.h>
 
+#include <algorithm>
 #include <new>
 
 namespace kappaflow {
@@ -17,20 +18,32 @@ void ZLibCompressor::Free::operator()(libdeflate_decompressor* decompressor) con
   libdeflate_free_decompressor(decompressor);
 }
 
-libdeflate_compressor& ZLibCompressor::compressor() {
-  constexpr int kFastest = 1;
-  if (compressor_ == nullptr) compressor_.reset(libdeflate_alloc_compressor(kFastest));
-  if (compressor_ == nullptr) throw std::bad_alloc();
-  return *compressor_;
+libdeflate_compressor& ZLibCompressor::compressor(Compressor& of, int level) {
+  if (of == nullptr) of.reset(libdeflate_alloc_compressor(level));
+  if (of == nullptr) throw std::bad_alloc();
+  return *of;
 }
 
 std::size_t ZLibCompressor::GetMaximumCompressionSpace(std::size_t size) {
-  return libdeflate_zlib_compress_bound(&compressor(), size);
+  return std::max(libdeflate_zlib_compress_bound(&fastest(), size),
+                  libdeflate_zlib_compress_bound(&storing(), size));
+}
+
+/// By a sample from the middle.
+bool ZLibCompressor::hardly_compresses(const unsigned char* from, std::size_t size, unsigned char* to,
+                                       std::size_t room) {
+  constexpr std::size_t kSample = 2048;
+  constexpr double kHardly = 0.9;
+  if (size < 2 * kSample) return false;
+  const std::size_t packed =
+      libdeflate_zlib_compress(&fastest(), from + (size - kSample) / 2, kSample, to, room);
+  return static_cast<double>(packed) > kHardly * kSample;
 }
 
 std::size_t ZLibCompressor::CompressBuffer(const unsigned char* from, std::size_t size, unsigned char* to,
                                            std::size_t room) {
-  return libdeflate_zlib_compress(&compressor(), from, size, to, room);
+  libdeflate_compressor& chosen = hardly_compresses(from, size, to, room) ? storing() : fastest();
+  return libdeflate_zlib_compress(&chosen, from, size, to, room);
 }
 
 std::size_t ZLibCompressor::UncompressBuffer(const unsigned char* from, std::size_t packed, unsigned char* to,

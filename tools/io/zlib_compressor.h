@@ -11,8 +11,8 @@ struct libdeflate_decompressor;
 
 namespace kappaflow {
 
-/// What VTK's writers compress with. To them, and in files, it is a vtkZLibDataCompressor, at the fastest
-/// level: floats hardly compress. One for each thread.
+/// What VTK's writers compress with. To them, and in files, it is a vtkZLibDataCompressor: at the fastest
+/// level, and what hardly compresses, as most floats do, is stored as it is. One for each thread.
 class ZLibCompressor final : public vtkZLibDataCompressor {
  public:
   static ZLibCompressor* New();
@@ -31,9 +31,13 @@ class ZLibCompressor final : public vtkZLibDataCompressor {
     void operator()(libdeflate_compressor* compressor) const;
     void operator()(libdeflate_decompressor* decompressor) const;
   };
-  libdeflate_compressor& compressor();
+  using Compressor = std::unique_ptr<libdeflate_compressor, Free>;
+  static libdeflate_compressor& compressor(Compressor& of, int level);
+  libdeflate_compressor& fastest() { return compressor(fastest_, 1); }
+  libdeflate_compressor& storing() { return compressor(storing_, 0); }
+  bool hardly_compresses(const unsigned char* from, std::size_t size, unsigned char* to, std::size_t room);
 
-  std::unique_ptr<libdeflate_compressor, Free> compressor_;
+  Compressor fastest_, storing_;
   std::unique_ptr<libdeflate_decompressor, Free> decompressor_;
 };
 
