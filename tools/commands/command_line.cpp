@@ -61,7 +61,7 @@ void add_track(CLI::App& app, CommandLine& line) {
   CLI::Option* files = track->add_option(
       "FILES", line.track.inputs,
       "A file a frame: particles (.vtk, .vtp, .vtu, .pvtp, .pvtu, .bgeo, .hdf5, .csv), images of "
-      "signed distances (.vti, .vtk, .vdb) or closed meshes (.obj, .ply, "
+      "signed distances (.vti, .pvti, .vtk, .vdb) or closed meshes (.obj, .ply, "
       ".stl, .vtp, .vtk); names, a pattern in quotes, a folder, or a .pvd");
   CLI::Option* resume =
       add_resume(*track, line.track.resume, "; FILES: where the files are now, if elsewhere");

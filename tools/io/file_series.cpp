@@ -92,14 +92,16 @@ std::string with_literal_folders(const fs::path& pattern) {
 /// The files in a folder that may be frames: those that may be particles where there are any, for walls may
 /// lie beside them as meshes; of these those that list pieces where there are any, for the pieces may.
 std::vector<std::string> files_in(const fs::path& folder) {
-  std::vector<std::string> files, particles, lists;
+  std::vector<std::string> files, particles;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     if (!entry.is_regular_file()) continue;
     if (is_input_file(entry.path())) files.push_back(entry.path().string());
     if (is_particle_file(entry.path())) particles.push_back(entry.path().string());
-    if (is_parallel_vtk(entry.path())) lists.push_back(entry.path().string());
   }
-  if (!particles.empty()) files = lists.empty() ? particles : lists;
+  if (!particles.empty()) files = particles;
+  const auto is_list = [](const std::string& file) { return is_parallel_vtk(file); };
+  if (std::ranges::any_of(files, is_list))
+    std::erase_if(files, [&](const std::string& file) { return !is_list(file); });
   if (files.empty())
     throw InvalidInput(fmt::format("{}: there are no frames in this folder (expected {})", folder.string(),
                                    kInputFileKinds));

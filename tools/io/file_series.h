@@ -55,13 +55,13 @@ struct FileSeries {
 };
 
 /// Expands names and shell patterns (*, ?, [...], ~); folders that are there may have these characters in
-/// their names. A folder stands for the files in it that may be frames, see is_input_file(), or for the .pvtp
-/// and .pvtu alone where there are any; a .pvd for the files that it lists, whose numbers count from 0: the
-/// first of a time, with the parts of that time that have the same name and whose files' names differ from
-/// its in numbers only. Throws IoError where nothing matches, InvalidInput where there are fewer than two
-/// frames, or they are not one series: their names must differ in one number, whole or decimal, and nothing
-/// else but the number of a rank, which stands behind rank, proc, process, processor, piece, domain, cpu or
-/// mpi; each frame must have the same ranks.
+/// their names. A folder stands for the files in it that may be frames, see is_input_file(), or for the
+/// .pvtp, .pvtu or .pvti alone where there are any; a .pvd for the files that it lists, whose numbers count
+/// from 0: the first of a time, with the parts of that time that have the same name and whose files' names
+/// differ from its in numbers only. Throws IoError where nothing matches, InvalidInput where there are fewer
+/// than two frames, or they are not one series: their names must differ in one number, whole or decimal, and
+/// nothing else but the number of a rank, which stands behind rank, proc, process, processor, piece, domain,
+/// cpu or mpi; each frame must have the same ranks.
 FileSeries file_series(std::span<const std::string> patterns, const FileRange& range = {});
 
 }  // namespace kappaflow

@@ -11,17 +11,18 @@
 #include "core/text_hash.h"
 #include "core/text_scanner.h"
 #include "tools/io/frame_times.h"
+#include "tools/io/image_pieces.h"
 
 namespace kappaflow {
 namespace {
 
 namespace fs = std::filesystem;
 
-void read(const fs::path& file, ImageFrame& frame) {
-  frame = read_image(file);
+void read(std::span<const fs::path> files, ImageFrame& frame) {
+  frame = read_image(files);
 }
-void read(const fs::path& file, MeshFrame& frame) {
-  frame = read_mesh_frame(file);
+void read(std::span<const fs::path> files, MeshFrame& frame) {
+  frame = read_mesh_frame(files.front());  // meshes do not come in pieces
 }
 
 void turn_backward(ImageFrame& frame) {
@@ -145,7 +146,7 @@ FrameSequence<Frame>::FrameSequence(FileSeries series, std::optional<double> fra
 template <class Frame>
 Frame FrameSequence<Frame>::frame(std::size_t frame) const {
   Frame result;
-  read(file(frame), result);
+  read(series_.files_of(frame), result);
   if (series_.backward) turn_backward(result);
   return result;
 }

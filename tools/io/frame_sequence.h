@@ -13,7 +13,8 @@
 
 namespace kappaflow {
 
-/// A series of files with an image or a mesh each, checked when it is opened and then given frame by frame.
+/// A series of files with an image, or a piece of one, or a mesh each, checked when it is opened and then
+/// given frame by frame.
 template <class Frame>
 class FrameSequence {
  public:

@@ -1,4 +1,4 @@
-// Signed distances on a lattice, as a solver on a grid writes them.
+// Signed distances on a lattice, as a solver on a grid writes them. C++17, see vdb_file.h.
 #pragma once
 
 #include <Eigen/Core>
@@ -27,14 +27,19 @@ struct ImageFrame {
 
 /// Reads, by the ending of the name,
 ///   .vti  VTK XML image data
+///   .pvti  parallel VTK XML: the pieces that it lists, relative to it, see join_pieces()
 ///   .vtk  legacy VTK, structured points
 ///   .vdb  OpenVDB, see read_vdb()
 /// The distance is the first array of one component with one of the names phi, sdf, distance,
 /// signed_distance, levelset, level_set, surface and ls, in upper or lower case, else the only array of one
 /// component; the velocity the array velocity, vel, u or v of three components beside it. They belong to
-/// points or to cells; of cells, these are at the centres. Throws IoError (not readable, not complete),
-/// InvalidInput (no distance or several, fewer than kLeastPoints along an axis, axes that are not x, y and z,
-/// a spacing that is not positive, a number that is not finite).
+/// points or to cells; of cells, these are at the centres. Throws IoError (not readable, not complete, a
+/// piece is not there), InvalidInput (no distance or several, fewer than kLeastPoints along an axis, axes
+/// that are not x, y and z, a spacing that is not positive, a number that is not finite, pieces that do not
+/// fit).
 ImageFrame read_image(const std::filesystem::path& file);
+
+/// Throws InvalidInput where one of the numbers of point i is not finite.
+void check_number(const ImageFrame& frame, std::size_t i);
 
 }  // namespace kappaflow

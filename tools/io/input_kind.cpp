@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/errors.h"
 #include "core/read_file.h"
@@ -18,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 2> kImageEndings{".vti", ".vdb"};
+constexpr std::array<std::string_view, 3> kImageEndings{".vti", ".pvti", ".vdb"};
 constexpr std::array<std::string_view, 3> kMeshEndings{".obj", ".ply", ".stl"};
 
 std::string ending_of(const fs::path& file) {
@@ -72,9 +74,27 @@ InputKind input_kind(const fs::path& file) {
   if (std::ranges::count(kImageEndings, ending) > 0) return InputKind::images;
   if (std::ranges::count(kMeshEndings, ending) > 0) return InputKind::meshes;
   if (ending == ".vtk") return kind_of_legacy(file);
-  if (ending == ".pvtp" && kind_of_vtp(pieces_of(file).front()) == InputKind::meshes)
-    throw InvalidInput({file.string()}, "holds polygons; meshes are read from one file a frame");
   return ending == ".vtp" ? kind_of_vtp(file) : InputKind::particles;
+}
+
+InputKind input_kind(std::span<const fs::path> files) {
+  std::vector<fs::path> pieces;
+  for (const fs::path& file : files) std::ranges::move(pieces_of(file), std::back_inserter(pieces));
+  const InputKind kind = input_kind(pieces.front());
+  if (files.size() == 1 && !is_parallel_vtk(files.front())) return kind;
+  for (const fs::path& piece : pieces) {
+    const InputKind other = input_kind(piece);
+    const bool is_mesh = other == InputKind::meshes;
+    if (is_mesh || ending_of(piece) == ".vdb")
+      throw InvalidInput({piece.string()},
+                         fmt::format("is a piece of a frame; {} are read from one file a frame",
+                                     is_mesh ? "meshes" : ".vdb files"));
+    if (other != kind)
+      throw InvalidInput({piece.string()}, fmt::format("holds {}; {}, a piece of the same frame, holds {}",
+                                                       name_of(kInputKinds, other), pieces.front().string(),
+                                                       name_of(kInputKinds, kind)));
+  }
+  return kind;
 }
 
 bool is_input_file(const fs::path& file) {

@@ -3,7 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <string>
+#include <array>
+#include <string_view>
 #include <system_error>
 
 #include "core/errors.h"
@@ -17,6 +18,19 @@ namespace fs = std::filesystem;
 
 namespace {
 
+struct ParallelKind {
+  std::string_view ending, ending_of_pieces, data;
+};
+constexpr std::array<ParallelKind, 3> kParallelKinds{
+    {{".pvtp", ".vtp", "PolyData"}, {".pvtu", ".vtu", "UnstructuredGrid"}, {".pvti", ".vti", "ImageData"}}};
+
+/// Null where the file is another.
+const ParallelKind* parallel_kind(const fs::path& file) {
+  const auto found =
+      std::ranges::find(kParallelKinds, lower_case(file.extension().string()), &ParallelKind::ending);
+  return found == kParallelKinds.end() ? nullptr : &*found;
+}
+
 /// Windows parts folders by a backslash.
 fs::path piece_in(const fs::path& folder, const std::string& source) {
   std::error_code ignored;
@@ -29,29 +43,32 @@ fs::path piece_in(const fs::path& folder, const std::string& source) {
 }  // namespace
 
 bool is_parallel_vtk(const fs::path& file) {
-  const std::string ending = lower_case(file.extension().string());
-  return ending == ".pvtp" || ending == ".pvtu";
+  return parallel_kind(file) != nullptr;
+}
+
+fs::path piece_of(const fs::path& file, const std::string& source) {
+  const std::string_view ending = parallel_kind(file)->ending_of_pieces;
+  fs::path piece = piece_in(file.parent_path(), source);
+  if (lower_case(piece.extension().string()) != ending)
+    throw IoError(file.string(), fmt::format("its piece {} is no {}", one_line(source, 200), ending));
+  if (std::error_code ignored; !fs::exists(piece, ignored))
+    throw IoError(file.string(), fmt::format("its piece {} is not there", one_line(piece.string(), 400)));
+  return piece;
 }
 
 std::vector<fs::path> pieces_of(const fs::path& file) {
-  if (!is_parallel_vtk(file)) return {file};
-  const bool polydata = lower_case(file.extension().string()) == ".pvtp";
-  const char* const ending = polydata ? ".vtp" : ".vtu";
+  const ParallelKind* const kind = parallel_kind(file);
+  if (kind == nullptr) return {file};
   const std::string bytes = read_file(file);
   std::vector<std::string> sources;
   try {
-    sources = parse_vtk_pieces(bytes, polydata ? "PolyData" : "UnstructuredGrid");
+    sources = parse_vtk_pieces(bytes, kind->data);
   } catch (const InvalidInput& error) {
     throw IoError(file.string(), fmt::format("is damaged or not complete ({})", error.what()));
   }
   std::vector<fs::path> pieces;
-  for (const std::string& source : sources) {
-    const fs::path& piece = pieces.emplace_back(piece_in(file.parent_path(), source));
-    if (lower_case(piece.extension().string()) != ending)
-      throw IoError(file.string(), fmt::format("its piece {} is no {}", one_line(source, 200), ending));
-    if (std::error_code ignored; !fs::exists(piece, ignored))
-      throw IoError(file.string(), fmt::format("its piece {} is not there", one_line(piece.string(), 400)));
-  }
+  pieces.reserve(sources.size());
+  for (const std::string& source : sources) pieces.push_back(piece_of(file, source));
   return pieces;
 }
 

@@ -128,9 +128,7 @@ class SourceReader : public VtkXmlReader {
 
  protected:
   void begin_part(std::string_view element, Attributes attributes) override {
-    if (element != "Piece") return;
-    sources.emplace_back(xml_attribute(attributes, "Source"));
-    if (sources.back().empty()) throw InvalidInput("has a piece without a Source");
+    if (element == "Piece") sources.push_back(piece_source(attributes));
   }
   void end_part(std::string_view /*element*/) override {}
   std::vector<PointArray>* arrays_in(std::string_view /*element*/) override { return nullptr; }

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "tools/io/lattice_box.h"
 #include "tools/io/point_data.h"
 
 namespace kappaflow {
@@ -14,8 +15,8 @@ namespace kappaflow {
 /// says what is wrong, as all of these do.
 PointData parse_vtk_xml(std::string_view bytes, std::string_view kind);
 
-/// What a parallel VTK XML file (.pvtp, .pvtu) gives as the sources of its pieces, in its order. kind: of the
-/// pieces. Throws as parse_vtk_xml() does, and where a piece has none or there is no piece.
+/// What a parallel VTK XML file (.pvtp, .pvtu, .pvti) gives as the sources of its pieces, in its order. kind:
+/// of the pieces. Throws as parse_vtk_xml() does, and where a piece has none or there is no piece.
 std::vector<std::string> parse_vtk_pieces(std::string_view bytes, std::string_view kind);
 
 struct VtkPolygons {
@@ -39,5 +40,19 @@ VtkSurface parse_vtk_surface(std::string_view bytes);
 
 /// The points of an ImageData file (.vti), of one piece or several that fill its whole extent.
 LatticeData parse_vtk_image(std::string_view bytes);
+
+/// What a parallel image file says.
+struct VtkImageList {
+  struct Piece {
+    LatticeBox extent;  ///< the points that it has
+    std::string source;
+  };
+  LatticeBox whole;           ///< the points of the image, by the file's numbers
+  LatticeData lattice;        ///< without values; its origin is that of point 0
+  std::vector<Piece> pieces;  ///< in the order of the file, one at least
+};
+
+/// The same of a parallel file (.pvti), which has no values of its own.
+VtkImageList parse_vtk_image_list(std::string_view bytes);
 
 }  // namespace kappaflow

@@ -18,23 +18,10 @@ namespace {
 
 using Index = std::array<std::size_t, 3>;
 
-/// Points first[c] to last[c] along each axis, by the numbers that the file gives them.
-struct Extent {
-  std::array<std::int64_t, 3> first{}, last{};
-
-  bool operator==(const Extent&) const = default;
-  Index points() const {
-    Index size;
-    for (std::size_t c = 0; c < 3; ++c) size[c] = static_cast<std::size_t>(last[c] - first[c] + 1);
-    return size;
-  }
-  Index cells() const { return LatticeData{.points = points()}.cells(); }
-  bool contains(const Extent& part) const {
-    for (std::size_t c = 0; c < 3; ++c)
-      if (part.first[c] < first[c] || part.last[c] > last[c]) return false;
-    return true;
-  }
-};
+/// Of the points of a box, none empty.
+Index cells_of(const LatticeBox& box) {
+  return LatticeData{.points = box.points()}.cells();
+}
 
 std::size_t product(const Index& size) {
   return size[0] * size[1] * size[2];
@@ -53,11 +40,11 @@ std::array<double, N> numbers_of(VtkXmlReader::Attributes attributes, std::strin
   return result;
 }
 
-Extent extent_of(VtkXmlReader::Attributes attributes, std::string_view name) {
+LatticeBox extent_of(VtkXmlReader::Attributes attributes, std::string_view name) {
   constexpr double kFarthest = 1e9, kMostPoints = 1e12;
   constexpr std::array<double, 6> kNone{0, -1, 0, -1, 0, -1};
   const std::array<double, 6> numbers = numbers_of(attributes, name, kNone);
-  Extent extent;
+  LatticeBox extent;
   double points = 1;
   for (std::size_t c = 0; c < 3; ++c) {
     const double first = numbers[2 * c], last = numbers[2 * c + 1];
@@ -73,9 +60,18 @@ Extent extent_of(VtkXmlReader::Attributes attributes, std::string_view name) {
   return extent;
 }
 
+/// What the element says of the image's lattice, with the origin as it is there. Returns the points.
+LatticeBox take_lattice(VtkXmlReader::Attributes attributes, LatticeData& image) {
+  constexpr std::array<double, 9> kUnturned{1, 0, 0, 0, 1, 0, 0, 0, 1};
+  image.origin = Vec3(numbers_of<3>(attributes, "Origin", {0, 0, 0}).data());
+  image.spacing = Vec3(numbers_of<3>(attributes, "Spacing", {1, 1, 1}).data());
+  image.turned = numbers_of(attributes, "Direction", kUnturned) != kUnturned;
+  return extent_of(attributes, "WholeExtent");
+}
+
 /// A part of the image.
 struct Piece {
-  Extent extent;
+  LatticeBox extent;
   LatticeData data;
 };
 
@@ -107,23 +103,23 @@ class ImageReader : public VtkXmlReader {
     std::size_t cells = 0;
     for (const Piece& piece : pieces_) {
       if (!whole_.contains(piece.extent)) throw InvalidInput("has a piece outside of its whole extent");
-      cells += product(piece.extent.cells());
+      cells += product(cells_of(piece.extent));
     }
-    if (pieces_.empty() || cells < product(whole_.cells()))  // they may overlap
+    if (pieces_.empty() || cells < product(cells_of(whole_)))  // they may overlap
       throw InvalidInput(
-          fmt::format("has {} cells in its pieces and {} in all", cells, product(whole_.cells())));
+          fmt::format("has {} cells in its pieces and {} in all", cells, product(cells_of(whole_))));
     image_.points = whole_.points();
     for (std::size_t c = 0; c < 3; ++c)
       image_.origin[c] += static_cast<double>(whole_.first[c]) * image_.spacing[c];
-    join(&LatticeData::arrays, &Extent::points);
-    join(&LatticeData::cell_arrays, &Extent::cells);
+    join(&LatticeData::arrays, [](const LatticeBox& box) { return box.points(); });
+    join(&LatticeData::cell_arrays, cells_of);
     image_.check_sizes();
     return std::move(image_);
   }
 
  protected:
   void begin_part(std::string_view element, Attributes attributes) override {
-    if (element == "ImageData") begin_image(attributes);
+    if (element == "ImageData") whole_ = take_lattice(attributes, image_);
     if (element == "Piece") pieces_.push_back({extent_of(attributes, "Extent"), {}});
   }
   void end_part(std::string_view element) override {
@@ -139,21 +135,13 @@ class ImageReader : public VtkXmlReader {
   }
 
  private:
-  void begin_image(Attributes attributes) {
-    constexpr std::array<double, 9> kUnturned{1, 0, 0, 0, 1, 0, 0, 0, 1};
-    whole_ = extent_of(attributes, "WholeExtent");
-    image_.origin = Vec3(numbers_of<3>(attributes, "Origin", {0, 0, 0}).data());
-    image_.spacing = Vec3(numbers_of<3>(attributes, "Spacing", {1, 1, 1}).data());
-    image_.turned = numbers_of(attributes, "Direction", kUnturned) != kUnturned;
-  }
-
   /// The arrays of all pieces; those that a piece lacks are left out. Where no piece is, there is no number.
-  void join(std::vector<PointArray> LatticeData::*arrays, Index (Extent::*size)() const) {
+  void join(std::vector<PointArray> LatticeData::*arrays, Index (*size)(const LatticeBox&)) {
     if (pieces_.size() == 1 && pieces_[0].extent == whole_) {
       image_.*arrays = std::move(pieces_[0].data.*arrays);
       return;
     }
-    const Index whole = (whole_.*size)();
+    const Index whole = size(whole_);
     for (PointArray& first : pieces_[0].data.*arrays) {
       const auto lacks = [&](const Piece& piece) { return like(first, piece.data.*arrays) == nullptr; };
       if (std::ranges::any_of(pieces_, lacks)) continue;
@@ -163,7 +151,7 @@ class ImageReader : public VtkXmlReader {
         Index at;
         for (std::size_t c = 0; c < 3; ++c)
           at[c] = static_cast<std::size_t>(piece.extent.first[c] - whole_.first[c]);
-        const Index part = (piece.extent.*size)();
+        const Index part = size(piece.extent);
         // A piece of a single plane counts as one cell thick, which at the image's end is beyond it.
         for (std::size_t c = 0; c < 3; ++c)
           if (at[c] + part[c] > whole[c]) throw InvalidInput("a piece has cells beyond the whole extent");
@@ -173,12 +161,43 @@ class ImageReader : public VtkXmlReader {
     }
   }
 
-  Extent whole_;
+  LatticeBox whole_;
   LatticeData image_;
   std::vector<Piece> pieces_;
 };
 
+/// What a parallel file says of an image and its pieces.
+class ImageListReader : public VtkXmlReader {
+ public:
+  ImageListReader() : VtkXmlReader("PImageData") {}
+
+  VtkImageList result() {
+    if (list_.pieces.empty()) throw InvalidInput("has no pieces");
+    return std::move(list_);
+  }
+
+ protected:
+  void begin_part(std::string_view element, Attributes attributes) override {
+    if (element == "PImageData") list_.whole = take_lattice(attributes, list_.lattice);
+    if (element == "Piece")
+      list_.pieces.push_back({extent_of(attributes, "Extent"), piece_source(attributes)});
+  }
+  void end_part(std::string_view /*element*/) override {}
+  std::vector<PointArray>* arrays_in(std::string_view element) override {
+    return element == "FieldData" ? &list_.lattice.fields : nullptr;
+  }
+
+ private:
+  VtkImageList list_;
+};
+
 }  // namespace
+
+VtkImageList parse_vtk_image_list(std::string_view bytes) {
+  ImageListReader reader;
+  reader.read(bytes);
+  return reader.result();
+}
 
 LatticeData parse_vtk_image(std::string_view bytes) {
   ImageReader reader;

@@ -189,6 +189,12 @@ std::size_t count_in(Attributes attributes, std::string_view name) {
   throw InvalidInput(fmt::format("{} is \"{}\"; expected a whole number >= 0", name, one_line(text, 30)));
 }
 
+std::string piece_source(Attributes attributes) {
+  const std::string_view source = xml_attribute(attributes, "Source");
+  if (source.empty()) throw InvalidInput("has a piece without a Source");
+  return std::string(source);
+}
+
 std::vector<double> numbers_in(std::string_view text) {
   std::vector<double> values;
   while (true) {

@@ -61,6 +61,9 @@ class VtkXmlReader {
 /// A whole number among the attributes. Throws InvalidInput where there is none.
 std::size_t count_in(VtkXmlReader::Attributes attributes, std::string_view name);
 
+/// Of a piece in a parallel file. Throws InvalidInput where there is none.
+std::string piece_source(VtkXmlReader::Attributes attributes);
+
 /// The numbers in a text with blanks between them. Throws InvalidInput.
 std::vector<double> numbers_in(std::string_view text);
 

@@ -125,11 +125,7 @@ double edge_length_in(double length_scale, const TrackOptions& options) {
 
 std::unique_ptr<TrackInput> open_input(const FileSeries& series, const TrackOptions& options,
                                        const FileWatch& watch) {
-  const InputKind kind = input_kind(series.files.front());
-  if (kind != InputKind::particles && !series.pieces.empty())
-    throw InvalidInput(
-        {series.pieces.front().back().string()},
-        fmt::format("is a piece of a frame; {} are read from one file a frame", name_of(kInputKinds, kind)));
+  const InputKind kind = input_kind(series.files_of(0));
   return kind == InputKind::particles ? particle_input(series, options, watch)
                                       : distance_input(series, kind, options, watch);
 }

@@ -45,7 +45,7 @@ class TrackInput {
 /// Called before each file with its number from 0.
 using FileWatch = std::function<void(std::size_t file)>;
 
-/// Of particles, images of distances or meshes: input_kind() of the first file. Throws what reading them
+/// Of particles, images of distances or meshes: input_kind() of the first frame. Throws what reading them
 /// throws, and InvalidInput for options that do not fit them.
 std::unique_ptr<TrackInput> open_input(const FileSeries& series, const TrackOptions& options,
                                        const FileWatch& watch);

@@ -56,11 +56,12 @@ TEST_F(FileSeriesNames, AFolderStandsForTheFramesInIt) {
   EXPECT_NE(message_of<InvalidInput>([&] { series(""); }).find(" belong to different series; "),
             std::string::npos);
   std::filesystem::create_directory(folder / "empty");
-  EXPECT_EQ(message_of<InvalidInput>([&] { series("empty"); }),
-            path("empty") +
-                ": there are no frames in this folder (expected .vtk, .vtp, .vtu, .pvtp, .pvtu, .bgeo, .hdf5 "
-                "or .csv with "
-                "particles, .vti, .vtk or .vdb with distances, .obj, .ply, .stl, .vtp or .vtk with meshes)");
+  EXPECT_EQ(
+      message_of<InvalidInput>([&] { series("empty"); }),
+      path("empty") +
+          ": there are no frames in this folder (expected .vtk, .vtp, .vtu, .pvtp, .pvtu, .bgeo, .hdf5 "
+          "or .csv with "
+          "particles, .vti, .pvti, .vtk or .vdb with distances, .obj, .ply, .stl, .vtp or .vtk with meshes)");
 }
 
 TEST_F(FileSeriesNames, ARangeTakesFilesByTheirNumbers) {

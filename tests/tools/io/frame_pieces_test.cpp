@@ -111,11 +111,25 @@ TEST_F(FramePieces, ThatDoNotFitAreSaid) {
       path("grid.pvtp") + ": is damaged or not complete (holds \"PUnstructuredGrid\"; expected PPolyData)");
 }
 
+// Whichever of the pieces it is: of a mesh not all need have polygons.
 TEST_F(FramePieces, OfMeshesAreSaid) {
-  file("mesh.vtp", "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"3\" NumberOfPolys=\"1\">");
-  EXPECT_EQ(message_of<InvalidInput>([&] { input_kind(list({"mesh.vtp"})); }),
-            path("list.pvtp") + ": holds polygons; meshes are read from one file a frame");
-  EXPECT_EQ(input_kind(list({(kByVtk / "frames_0_0.vtp").string()})), InputKind::particles);
+  const std::string head = "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"3\" NumberOfPolys=";
+  file("mesh.vtp", head + "\"1\">");
+  file("mesh.vtk",
+       "# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 1 float\n0 0 0\nPOLYGONS 1 4\n3 0 0 "
+       "0\n");
+  const std::string points = (kByVtk / "frames_0_0.vtp").string();
+  const auto failure_of = [](const std::vector<fs::path>& files) {
+    return message_of<InvalidInput>([&] { input_kind(files); });
+  };
+  const std::string message = ": is a piece of a frame; meshes are read from one file a frame";
+  EXPECT_EQ(failure_of({list({"mesh.vtp"})}), path("mesh.vtp") + message);
+  EXPECT_EQ(failure_of({list({points, points, "mesh.vtp"})}), path("mesh.vtp") + message);
+  EXPECT_EQ(failure_of({points, folder / "mesh.vtp"}), path("mesh.vtp") + message);
+  EXPECT_EQ(failure_of({points, folder / "mesh.vtk"}), path("mesh.vtk") + message);
+  EXPECT_EQ(failure_of({"a_rank0.obj", "a_rank1.obj"}), "a_rank0.obj" + message);
+  EXPECT_EQ(input_kind(std::vector{list({points, points})}), InputKind::particles);
+  EXPECT_EQ(input_kind(std::vector<fs::path>{folder / "mesh.vtp"}), InputKind::meshes);
 }
 
 TEST_F(FramePieces, AreToldApartByTheirRank) {
@@ -187,6 +201,13 @@ TEST_F(FramePieces, OfAFolderAreThoseThatAreListed) {
     file(name, "");
   const FileSeries series = file_series(std::vector{folder.string()});
   EXPECT_EQ(series.files, (std::vector<fs::path>{folder / "f_0.pvtp", folder / "f_1.pvtp"}));
+}
+
+TEST_F(FramePieces, OfImagesInAFolderAreThoseThatAreListed) {
+  for (const char* name : {"f_0.pvti", "f_1.pvti", "f_0_0.vti", "f_0_1.vti", "f_1_0.vti", "walls.stl"})
+    file(name, "");
+  const FileSeries series = file_series(std::vector{folder.string()});
+  EXPECT_EQ(series.files, (std::vector<fs::path>{folder / "f_0.pvti", folder / "f_1.pvti"}));
 }
 
 }  // namespace

@@ -202,7 +202,7 @@ TEST_F(ImageFiles, DamagedFilesAreSaid) {
   EXPECT_NE(damaged(whole.substr(0, whole.size() / 2)).find("is damaged or not complete ("),
             std::string::npos);
   EXPECT_EQ(message_of<InvalidInput>([&] { read_image(folder / "a.png"); }),
-            (folder / "a.png").string() + ": unknown kind of image; expected .vti, .vtk or .vdb");
+            (folder / "a.png").string() + ": unknown kind of image; expected .vti, .pvti, .vtk or .vdb");
 }
 
 TEST_F(ImageFiles, WithoutOpenVdbItIsSaidHowToGetIt) {

@@ -22,7 +22,7 @@ class InputKinds : public Scratch {
 
 TEST_F(InputKinds, MostAreKnownByTheirEndings) {
   for (const char* name : {"a.vtu", "a.bgeo", "a.hdf5", "a.csv"}) EXPECT_EQ(input_kind(name), particles);
-  for (const char* name : {"a.vti", "a.VDB"}) EXPECT_EQ(input_kind(name), images);
+  for (const char* name : {"a.vti", "a.pvti", "a.VDB"}) EXPECT_EQ(input_kind(name), images);
   for (const char* name : {"a.obj", "a.ply", "a.STL"}) EXPECT_EQ(input_kind(name), meshes);
   for (const char* name : {"a.vti", "a.stl", "a.csv", "a.vtk", "a.vtp"}) EXPECT_TRUE(is_input_file(name));
   for (const char* name : {"a", "a.png", "a.vtr"}) {
@@ -31,7 +31,7 @@ TEST_F(InputKinds, MostAreKnownByTheirEndings) {
               std::string(name) +
                   ": unknown kind of file; expected .vtk, .vtp, .vtu, .pvtp, .pvtu, .bgeo, .hdf5 or .csv "
                   "with particles, "
-                  ".vti, .vtk or .vdb with distances, .obj, .ply, .stl, .vtp or .vtk with meshes");
+                  ".vti, .pvti, .vtk or .vdb with distances, .obj, .ply, .stl, .vtp or .vtk with meshes");
   }
 }
 
