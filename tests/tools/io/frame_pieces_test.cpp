@@ -111,6 +111,35 @@ TEST_F(FramePieces, ThatDoNotFitAreSaid) {
       path("grid.pvtp") + ": is damaged or not complete (holds \"PUnstructuredGrid\"; expected PPolyData)");
 }
 
+TEST_F(FramePieces, ThatAreCutOffAreNamed) {
+  const auto expect_named = [&](const std::vector<fs::path>& pieces, const std::string& text) {
+    const fs::path last = folder / ("cut" + pieces.front().extension().string());
+    std::vector<fs::path> files = pieces;
+    files.push_back(last);
+    for (const std::size_t length : {text.size() / 2, std::size_t{0}}) {
+      file(last.filename().string(), text.substr(0, length));
+      const std::string message = message_of<Error>([&] { read_input_frame(files); });
+      EXPECT_TRUE(message.starts_with(last.string() + ":")) << message;
+      EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+    }
+  };
+  for (const char* ending : {"vtp", "vtu"}) {
+    const auto piece = [&](int k) { return kByVtk / fmt::format("frames_1_{}.{}", k, ending); };
+    expect_named({piece(0), piece(1)}, bytes_of(piece(2)));
+  }
+  const Particles block = moved_block({}, 0);
+  const auto written = [&](const char* name, std::string text) {
+    text.pop_back();  // the end of the last line, which may be missing
+    const fs::path path = file(name, text);
+    expect_named({path, path}, text);
+  };
+  written("whole.vtk", splishsplash_text(block));
+  written("whole.csv", csv_text(block, true, true));
+  file("cut.vtp", bytes_of(kByVtk / "frames_1_2.vtp").substr(0, 1000));
+  const std::string message = failure({(kByVtk / "frames_1_0.vtp").string(), "cut.vtp"});
+  EXPECT_TRUE(message.starts_with(path("cut.vtp") + ": is damaged or not complete (")) << message;
+}
+
 // Whichever of the pieces it is: of a mesh not all need have polygons.
 TEST_F(FramePieces, OfMeshesAreSaid) {
   const std::string head = "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"3\" NumberOfPolys=";
