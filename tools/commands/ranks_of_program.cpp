@@ -7,8 +7,10 @@
 #include <cstdlib>
 #include <filesystem>
 #include <string>
+#include <system_error>
 
 #include "core/errors.h"
+#include "tools/runs/program_file.h"
 
 namespace kappaflow {
 namespace {
@@ -28,9 +30,10 @@ int started_processes() {
 
 /// Beside the program where it was built, and where it was installed.
 fs::path module_file() {
-  const fs::path folder = fs::read_symlink("/proc/self/exe").parent_path();
+  const fs::path folder = program_file().parent_path();
   const fs::path beside = folder / kModule, installed = folder / KAPPAFLOW_MODULE_FOLDER / kModule;
-  return fs::exists(beside) ? beside : installed;
+  std::error_code ignored;  // a file that cannot be examined is not there
+  return fs::exists(beside, ignored) ? beside : installed;
 }
 
 }  // namespace

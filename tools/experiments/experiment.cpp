@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <system_error>
 
 #include "core/errors.h"
 #include "core/suggestion.h"
@@ -32,6 +33,7 @@
 #include "tools/experiments/slump.h"
 #include "tools/experiments/validation.h"
 #include "tools/io/files.h"
+#include "tools/runs/program_file.h"
 #include "tools/runs/progress.h"
 #include "tools/runs/run_record.h"
 #include "tools/runs/timings.h"
@@ -78,10 +80,9 @@ std::vector<const Experiment*> chosen(const ExperimentOptions& options) {
 
 /// The folder of the installed scenes beside the program, or that of the source tree.
 fs::path default_scenes() {
-  std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  const fs::path installed = program.parent_path().parent_path() / "share/kappaflow/scenes";
-  return !error && fs::is_directory(installed) ? installed : fs::path(KAPPAFLOW_SCENES_DIR);
+  const fs::path installed = program_file().parent_path().parent_path() / "share/kappaflow/scenes";
+  std::error_code ignored;  // a folder that cannot be examined is not there
+  return fs::is_directory(installed, ignored) ? installed : fs::path(KAPPAFLOW_SCENES_DIR);
 }
 
 /// Limits of validations are those of the whole variant: a smaller one that misses some tells nothing.
