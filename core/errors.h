@@ -47,6 +47,8 @@ class SolverFailure : public Error {
  public:
   /// time: at the step's start [s]; step: counted from 1.
   SolverFailure(double time, std::size_t step, const FailedParticle& particle, const std::string& message);
+  /// As what() of another one has it.
+  explicit SolverFailure(const std::string& text) : Error(text, 3) {}
 };
 
 /// The mesh is not what an operation needs (not closed, not manifold). position [m]. Exit code 4.

@@ -71,7 +71,7 @@ bool interrupted() {
 double next_time(const RunningScene& running) {
   if (running.frame == last_frame_of(running.scene))
     throw InvalidInput(fmt::format("{}: the scene is at its end, t = {:.6g} s", running.scene.file.string(),
-                                   running.simulation.fluid().time()));
+                                   running.simulation.liquid().time()));
   return frame_time(running.scene, running.frame + 1);
 }
 
@@ -109,8 +109,9 @@ NamedArrays particles(Running& self) {
     std::vector<int> source;
   };
   Arrays now = self.look([](const RunningScene& running) {
-    const FluidSolver& fluid = running.simulation.fluid();
-    return Arrays{fluid.particles(), fluid.densities(), fluid.pressures(), fluid.sources()};
+    ParticleFrame now = running.simulation.liquid().record().particles;
+    return Arrays{std::move(now.particles), std::move(now.density), std::move(now.pressure),
+                  std::move(now.source)};
   });
   NamedArrays arrays;
   arrays["id"] = array_of<std::int64_t>(std::move(now.particles.id));
@@ -168,7 +169,7 @@ void bind_simulation(nb::module_& m) {
       .def_prop_ro("title", property([](const RunningScene& r) { return r.scene.title; }))
       .def_prop_ro("frame", property([](const RunningScene& r) { return r.frame; }))
       .def_prop_ro("last_frame", property([](const RunningScene& r) { return last_frame_of(r.scene); }))
-      .def_prop_ro("time", property([](const RunningScene& r) { return r.simulation.fluid().time(); }))
+      .def_prop_ro("time", property([](const RunningScene& r) { return r.simulation.liquid().time(); }))
       .def_prop_ro("surface_time",
                    property([](const RunningScene& r) { return r.simulation.surfaces().time(); }))
       .def_prop_ro("sigma", property([](const RunningScene& r) {

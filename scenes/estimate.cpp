@@ -349,9 +349,8 @@ void add_work(const Scene& scene, const FluidParticlesAtStart& start, const Flow
                methods = static_cast<double>(scene.surface.methods.size()),
                tracked = static_cast<double>(std::ranges::count_if(scene.surface.methods, is_tracked)),
                first = smooth_vertices(0, scene, flow), vertex_step = tracker_seconds_per_vertex(scene);
-  double shared = static_cast<double>(result.boundary_particles) * kSecondsPerBoundaryParticle +
-                  first * kSecondsPerFirstVertex,
-         output = 0;
+  double liquid = static_cast<double>(result.boundary_particles) * kSecondsPerBoundaryParticle,
+         surfaces = first * kSecondsPerFirstVertex, output = 0;
   const double frames = std::ceil(scene.duration / frame_time - 1e-9);
   const double motion_per_step = scene.surface.motion_per_step * scene.surface.sigma * scene.fluid.spacing;
   const int spans = whole_within<int>(frames, 1, kMostSpans);  // of a frame each, as a rule
@@ -367,18 +366,20 @@ void add_work(const Scene& scene, const FluidParticlesAtStart& start, const Flow
     result.steps += steps;
     result.particle_steps += steps * particles;
     result.vertices = std::max(result.vertices, vertices);
-    shared += steps * particles *
+    liquid += steps * particles *
               (kSolverSecondsPerParticleStep +
                viscous_iterations(lasting / steps, scene) * kSecondsPerViscousIteration);
-    shared += tracker_steps * (vertices * vertex_step + particles * grid_seconds_per_particle(scene)) +
-              tracked * lasting * topology_seconds(smooth, torn, particles, scene, flow) +
-              (methods - tracked) * frames / spans * vertices * kSecondsPerFreshVertex;
-    shared += tracker_steps * first * stages(scene.surface.tracker.integrator) *
-              velocity_seconds(scene, "material");
+    surfaces += tracker_steps * (vertices * vertex_step + particles * grid_seconds_per_particle(scene)) +
+                tracked * lasting * topology_seconds(smooth, torn, particles, scene, flow) +
+                (methods - tracked) * frames / spans * vertices * kSecondsPerFreshVertex;
+    surfaces += tracker_steps * first * stages(scene.surface.tracker.integrator) *
+                velocity_seconds(scene, "material");
     output += frames / spans *
               (particles * kOutputSecondsPerParticle + methods * vertices * kOutputSecondsPerVertex);
   }
-  result.seconds = shared * (1 - kParallelShare + kParallelShare / threads) + output;
+  const double share = 1 - kParallelShare + kParallelShare / threads;
+  result.liquid_seconds = liquid * share;
+  result.seconds = (liquid + surfaces) * share + output;
 }
 
 /// As a number of things, at most 2^53: of walls a million kilometres long there would be more.

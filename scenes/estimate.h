@@ -17,6 +17,7 @@ struct SceneEstimate {
   double particle_steps = 0;           ///< sum over these of the particles
   double vertices = 0;                 ///< of one surface, when it has the most
   double seconds = 0;                  ///< wall time
+  double liquid_seconds = 0;           ///< of it, without surfaces and files
 };
 /// threads: on which the run will be, >= 1. share: of the liquid that the first rank's machine holds, where
 /// several share it (docs/scaling.md). The models and their constants stand in estimate.cpp; seconds are

@@ -1,5 +1,6 @@
 // What a solver says of itself, and how it is saved; with several ranks, the first one asks the others.
 #include <limits>
+#include <sstream>
 
 #include "core/saved_state.h"
 #include "solver/broadcast_state.h"
@@ -83,6 +84,22 @@ void FluidSolver::serialize(Archive& archive) {
 }
 template void FluidSolver::serialize(StateWriter&);
 template void FluidSolver::serialize(StateReader&);
+
+template <class Archive>
+SavedFluid FluidSolver::take_saved(Archive& archive, const FluidOptions& options,
+                                   std::span<const RigidBody> bodies) {
+  SavedFluid saved;
+  double fastest = 0;
+  FluidParticles particles;
+  Emitters emitters(options);
+  RigidBodies moved(bodies, options.density, options.spacing);
+  archive(saved.time, saved.steps, fastest, particles, emitters, moved);
+  std::ostringstream bytes;
+  StateWriter(bytes, little_endian())(saved.time, saved.steps, fastest, particles, emitters, moved);
+  saved.bytes = std::move(bytes).str();
+  return saved;
+}
+template SavedFluid FluidSolver::take_saved(StateReader&, const FluidOptions&, std::span<const RigidBody>);
 
 RankTask FluidSolver::follow() {
   State& s = *state_;

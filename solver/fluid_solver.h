@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/particles.h"
@@ -47,6 +48,13 @@ struct SolverMemory {
   std::size_t fluid = 0;  ///< of the particles of liquid, with all that is kept for them
   std::size_t walls = 0;  ///< of the wall particles
   std::size_t wall_particles = 0;
+};
+
+/// What a solver has saved, see core/saved_state.h, as it is.
+struct SavedFluid {
+  double time = 0;  ///< [s]
+  std::size_t steps = 0;
+  std::string bytes;
 };
 
 /// A viscous liquid between rigid walls, and rigid bodies in it.
@@ -103,6 +111,10 @@ class FluidSolver {
   /// See core/saved_state.h; for a solver that was made with the same arguments.
   template <class Archive>
   void serialize(Archive& archive);
+  /// What serialize() reads, for a solver elsewhere: what an archive holds of one with these arguments.
+  template <class Archive>
+  static SavedFluid take_saved(Archive& archive, const FluidOptions& options,
+                               std::span<const RigidBody> bodies);
 
  private:
   struct State;

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <numeric>
 #include <span>
 #include <vector>
@@ -78,6 +79,10 @@ class Ranks {
   virtual void exchange(std::span<const Parcel> sent, std::span<const Parcel> received) = 0;
   /// Rank 0's bytes to all.
   virtual void broadcast(std::span<std::byte> bytes) = 0;
+  /// The ranks above 0 by themselves, numbered anew from 0; on rank 0 nullptr. All ranks call it.
+  virtual std::unique_ptr<Ranks> others() = 0;
+  /// As exchange(), but sleeps until both are through: where that may take long.
+  virtual void exchange_asleep(std::span<const Parcel> sent, std::span<const Parcel> received) = 0;
   /// Ends all ranks at once.
   virtual void abort(int exit_code) = 0;
 

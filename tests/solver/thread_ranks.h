@@ -3,9 +3,14 @@
 
 #include <algorithm>
 #include <barrier>
+#include <condition_variable>
+#include <deque>
 #include <functional>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "solver/fluid_solver.h"
@@ -15,11 +20,15 @@ namespace kappaflow {
 
 /// What the threads hold out to each other.
 struct RankBoard {
-  explicit RankBoard(int size) : barrier(size), own(size), sent(size) {}
+  explicit RankBoard(int size)
+      : barrier(size), own(size), others(size > 1 ? std::make_unique<RankBoard>(size - 1) : nullptr) {}
 
   std::barrier<> barrier;
   std::vector<std::span<const std::byte>> own;
-  std::vector<std::span<const Parcel>> sent;
+  std::mutex mutex;
+  std::condition_variable posted;
+  std::map<std::pair<int, int>, std::deque<std::vector<std::byte>>> post;  // from one rank to another
+  std::unique_ptr<RankBoard> others;                                       // of the ranks above 0
 };
 
 class ThreadRanks : public Ranks {
@@ -42,14 +51,22 @@ class ThreadRanks : public Ranks {
     });
   }
   void exchange(std::span<const Parcel> sent, std::span<const Parcel> received) override {
-    board_.sent[rank_] = sent;
-    board_.barrier.arrive_and_wait();
+    std::unique_lock lock(board_.mutex);
+    for (const Parcel& parcel : sent)
+      board_.post[{rank_, parcel.rank}].emplace_back(parcel.bytes.begin(), parcel.bytes.end());
+    board_.posted.notify_all();
     for (const Parcel& parcel : received) {
-      const auto from = board_.sent[parcel.rank];
-      const auto it = std::ranges::find(from, rank_, &Parcel::rank);
-      std::ranges::copy(it->bytes, parcel.bytes.begin());
+      auto& box = board_.post[{parcel.rank, rank_}];
+      board_.posted.wait(lock, [&] { return !box.empty(); });
+      std::ranges::copy(box.front(), parcel.bytes.begin());
+      box.pop_front();
     }
-    board_.barrier.arrive_and_wait();
+  }
+  void exchange_asleep(std::span<const Parcel> sent, std::span<const Parcel> received) override {
+    exchange(sent, received);
+  }
+  std::unique_ptr<Ranks> others() override {
+    return rank_ == 0 ? nullptr : std::make_unique<ThreadRanks>(*board_.others, rank_ - 1);
   }
   void broadcast(std::span<std::byte> bytes) override {
     hold_out(bytes, [&] {

@@ -9,6 +9,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <functional>
+#include <memory>
 #include <numeric>
 #include <thread>
 
@@ -62,15 +63,22 @@ class Timed {
 /// MPI takes no note of an error: its own handler ends all processes.
 class MpiRanks : public Ranks {
  public:
-  MpiRanks() {
-    MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
-    MPI_Comm_size(MPI_COMM_WORLD, &size_);
+  explicit MpiRanks(MPI_Comm all) : all_(all) {
+    MPI_Comm_rank(all_, &rank_);
+    MPI_Comm_size(all_, &size_);
     MPI_Comm machine = MPI_COMM_NULL;
-    MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
+    MPI_Comm_split_type(all_, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
     MPI_Comm_size(machine, &on_this_machine_);
     MPI_Comm_free(&machine);
   }
-  ~MpiRanks() override { MPI_Finalize(); }
+  MpiRanks(const MpiRanks&) = delete;
+  MpiRanks& operator=(const MpiRanks&) = delete;
+  ~MpiRanks() override {
+    if (all_ == MPI_COMM_WORLD)
+      MPI_Finalize();
+    else
+      MPI_Comm_free(&all_);
+  }
 
   int rank() const override { return rank_; }
   int size() const override { return size_; }
@@ -84,12 +92,11 @@ class MpiRanks : public Ranks {
     const Timed timed(traffic_.seconds);
     const int count = static_cast<int>(own.size());
     if (std::ranges::adjacent_find(sizes, std::not_equal_to()) == sizes.end()) {
-      MPI_Allgather(own.data(), count, MPI_BYTE, all.data(), count, MPI_BYTE, MPI_COMM_WORLD);
+      MPI_Allgather(own.data(), count, MPI_BYTE, all.data(), count, MPI_BYTE, all_);
       return;
     }
     const std::vector<int> counts = in_ints(sizes), begins = in_ints(begins_of(sizes));
-    MPI_Allgatherv(own.data(), count, MPI_BYTE, all.data(), counts.data(), begins.data(), MPI_BYTE,
-                   MPI_COMM_WORLD);
+    MPI_Allgatherv(own.data(), count, MPI_BYTE, all.data(), counts.data(), begins.data(), MPI_BYTE, all_);
   }
 
   void gather_to_first(std::span<const std::byte> own, std::span<const std::size_t> sizes,
@@ -100,24 +107,26 @@ class MpiRanks : public Ranks {
 
   void exchange(std::span<const Parcel> sent, std::span<const Parcel> received) override {
     const Timed timed(traffic_.seconds);
-    requests_.clear();
-    for (const Parcel& parcel : received)
-      in_pieces(parcel.bytes, [&](std::byte* bytes, int count) {
-        MPI_Irecv(bytes, count, MPI_BYTE, parcel.rank, 0, MPI_COMM_WORLD, &requests_.emplace_back());
-      });
-    for (const Parcel& parcel : sent)
-      in_pieces(parcel.bytes, [&](std::byte* bytes, int count) {
-        note(1, static_cast<std::size_t>(count));
-        MPI_Isend(bytes, count, MPI_BYTE, parcel.rank, 0, MPI_COMM_WORLD, &requests_.emplace_back());
-      });
+    begin_exchange(sent, received);
     MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE);
+  }
+
+  void exchange_asleep(std::span<const Parcel> sent, std::span<const Parcel> received) override {
+    begin_exchange(sent, received);
+    wait_asleep(requests_);
+  }
+
+  std::unique_ptr<Ranks> others() override {
+    MPI_Comm part = MPI_COMM_NULL;
+    MPI_Comm_split(all_, rank_ == 0 ? MPI_UNDEFINED : 0, rank_, &part);
+    return part == MPI_COMM_NULL ? nullptr : std::make_unique<MpiRanks>(part);
   }
 
   void broadcast(std::span<std::byte> whole) override {
     const Timed timed(traffic_.seconds);
     in_pieces(whole, [&](std::byte* bytes, int count) {
       if (rank_ == 0) note(static_cast<std::size_t>(size_ - 1), static_cast<std::size_t>(count));
-      MPI_Bcast(bytes, count, MPI_BYTE, 0, MPI_COMM_WORLD);
+      MPI_Bcast(bytes, count, MPI_BYTE, 0, all_);
     });
   }
 
@@ -131,17 +140,34 @@ class MpiRanks : public Ranks {
   void tell(std::span<std::byte> bytes) override {
     if (rank_ == 0) note(static_cast<std::size_t>(size_ - 1), bytes.size());
     MPI_Request request = MPI_REQUEST_NULL;
-    MPI_Ibcast(bytes.data(), static_cast<int>(bytes.size()), MPI_BYTE, 0, MPI_COMM_WORLD, &request);
+    MPI_Ibcast(bytes.data(), static_cast<int>(bytes.size()), MPI_BYTE, 0, all_, &request);
+    wait_asleep({&request, 1});
+  }
+
+ private:
+  void begin_exchange(std::span<const Parcel> sent, std::span<const Parcel> received) {
+    requests_.clear();
+    for (const Parcel& parcel : received)
+      in_pieces(parcel.bytes, [&](std::byte* bytes, int count) {
+        MPI_Irecv(bytes, count, MPI_BYTE, parcel.rank, 0, all_, &requests_.emplace_back());
+      });
+    for (const Parcel& parcel : sent)
+      in_pieces(parcel.bytes, [&](std::byte* bytes, int count) {
+        note(1, static_cast<std::size_t>(count));
+        MPI_Isend(bytes, count, MPI_BYTE, parcel.rank, 0, all_, &requests_.emplace_back());
+      });
+  }
+
+  static void wait_asleep(std::span<MPI_Request> requests) {
     auto sleep = kFirstSleep;
     for (int done = 0;;) {
-      MPI_Test(&request, &done, MPI_STATUS_IGNORE);
+      MPI_Testall(static_cast<int>(requests.size()), requests.data(), &done, MPI_STATUSES_IGNORE);
       if (done != 0) return;
       std::this_thread::sleep_for(sleep);
       sleep = std::min(2 * sleep, kLongestSleep);
     }
   }
 
- private:
   void note(std::size_t messages, std::size_t bytes_each) {
     traffic_.messages += messages;
     traffic_.bytes += messages * bytes_each;
@@ -176,6 +202,7 @@ class MpiRanks : public Ranks {
     exchange(sent, places_of_others(own, sizes, all));
   }
 
+  MPI_Comm all_;
   int rank_ = 0, size_ = 1, on_this_machine_ = 1;
   RankTraffic traffic_;
   std::vector<MPI_Request> requests_;
@@ -189,7 +216,7 @@ class MpiRanks : public Ranks {
 extern "C" kappaflow::Ranks* kappaflow_mpi_ranks() {
   int got = 0;
   MPI_Init_thread(nullptr, nullptr, MPI_THREAD_SERIALIZED, &got);
-  auto* const ranks = new kappaflow::MpiRanks;
+  auto* const ranks = new kappaflow::MpiRanks(MPI_COMM_WORLD);
   if (ranks->rank() > 0) {  // the first rank heeds the signals that all get, and tells the others
     std::signal(SIGINT, SIG_IGN);
     std::signal(SIGTERM, SIG_IGN);

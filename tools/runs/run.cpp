@@ -2,13 +2,17 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <memory>
 #include <optional>
 #include <utility>
 
 #include "core/errors.h"
 #include "core/read_file.h"
+#include "scenes/estimate.h"
 #include "solver/broadcast_state.h"
 #include "tools/runs/check.h"
+#include "tools/runs/distant_liquid.h"
 #include "tools/runs/progress.h"
 #include "tools/runs/run_driver.h"
 #include "tools/runs/run_record.h"
@@ -45,11 +49,27 @@ RunSettings settings_for(const RunOptions& begun_with, const std::string& hash, 
           .save_beginning = [begun_with, hash](StateWriter& archive) { archive(begun_with, hash); }};
 }
 
+/// Whether the first of several ranks has the surfaces and nothing of the liquid: where that is foreseen to
+/// be quicker. On all ranks, and for any number of threads, the same.
+bool surfaces_apart(const PreparedScene& prepared, const RunOptions& options) {
+  if (options.ranks == nullptr) return false;
+  const SceneEstimate cost = estimate(prepared, 1);
+  const double ranks = options.ranks->size(), liquid = cost.liquid_seconds, surfaces = cost.seconds - liquid;
+  return std::max(liquid / (ranks - 1), surfaces) < liquid / ranks + surfaces;
+}
+
+std::unique_ptr<Liquid> liquid_of(PreparedScene& prepared, const RunOptions& options) {
+  if (!surfaces_apart(prepared, options)) return own_liquid(prepared, options.ranks);
+  prepared.start = {};
+  return std::make_unique<DistantLiquid>(prepared, *options.ranks);
+}
+
 /// Makes the first mesh; until it is there nothing is to be saved, and a signal ends the program at once.
-SceneFrames first_frame(PreparedScene prepared, const RunOptions& options) {
+/// prepared: is to outlive it.
+SceneFrames first_frame(PreparedScene& prepared, const RunOptions& options) {
   StatusLine status(!options.quiet);
   status.show("making the first mesh");
-  return SceneFrames(std::move(prepared), options.ranks);
+  return {prepared, liquid_of(prepared, options)};
 }
 
 int ranks_of(const RunOptions& options) {
@@ -57,9 +77,10 @@ int ranks_of(const RunOptions& options) {
 }
 
 /// Of the liquid, what this rank's machine holds.
-double share_of_machine(const RunOptions& options) {
+double share_of_machine(const PreparedScene& prepared, const RunOptions& options) {
   if (options.ranks == nullptr) return 1;
-  return static_cast<double>(options.ranks->on_this_machine()) / options.ranks->size();
+  const int apart = surfaces_apart(prepared, options) ? 1 : 0;
+  return static_cast<double>(options.ranks->on_this_machine() - apart) / (options.ranks->size() - apart);
 }
 
 RunSummary begin(const RunOptions& options) {
@@ -72,12 +93,12 @@ RunSummary begin(const RunOptions& options) {
         fmt::format("{}: no velocity method to track with; name one in [surface] methods or by "
                     "--track, \"material\" where only the liquid matters",
                     scene.file.string()));
-  require_memory(prepared, machine_memory(), share_of_machine(options));
+  require_memory(prepared, machine_memory(), share_of_machine(prepared, options));
   RunOptions begun_with = options;
   begun_with.scene = fs::absolute(options.scene);  // for whoever resumes it from elsewhere
   RunFolder folder(folder_for(options), scene.surface.methods, options.force);
   folder.write_scene(scene.text);
-  SceneFrames frames = first_frame(std::move(prepared), options);
+  SceneFrames frames = first_frame(prepared, options);
   const InterruptGuard guard;
   RunDriver driver(frames, folder, settings_for(begun_with, hash, scene), watch);
   folder.write_record(run_record(options, scene, frames));
@@ -112,13 +133,13 @@ RunSummary resume(const RunOptions& options) {
   const Scene scene = prepared.scene;
   if (frame == last_frame_of(scene)) return complete_run(folder.path(), frame);
 
-  require_memory(prepared, machine_memory(), share_of_machine(options));
+  require_memory(prepared, machine_memory(), share_of_machine(prepared, options));
   if (options.ranks != nullptr) {  // what the run has saved the first rank alone reads
     options.ranks->announce({RankTask::resume});
     broadcast_state(*options.ranks, begun_with, hash);
     options.ranks->finish();
   }
-  SceneFrames frames = first_frame(std::move(prepared), options);
+  SceneFrames frames = first_frame(prepared, options);
   const InterruptGuard guard;
   RunDriver driver(frames, folder, settings_for(begun_with, hash, scene), watch);
   driver.restore(frame, saved);
@@ -141,8 +162,12 @@ void follow_run(const RunOptions& options) {
                                ? prepare(scene_for(options, load_scene(options.scene)))
                                : resumed_scene(begun_with, hash, options.resume, options.scene);
   if (ranks.next_order().task == RankTask::end) return;
-  make_fluid(prepared.scene, std::move(prepared.start), prepared.walls, prepared.bodies, options.ranks)
-      .follow();
+  if (!surfaces_apart(prepared, options)) {
+    make_fluid(prepared, &ranks).follow();
+  } else {
+    serve_liquid(std::move(prepared), ranks);
+    ranks.next_order();
+  }
 }
 
 RunSummary run_scene(const RunOptions& options) {

@@ -115,6 +115,7 @@ std::string run_record(const RunOptions& options, const Scene& scene, const Scen
   Json::Value record =
       common_record(options.command, options.threads, scene.surface, field.sigma, field.threshold);
   record["ranks"] = options.ranks != nullptr ? options.ranks->size() : 1;
+  record["liquid_ranks"] = frames.liquid_ranks();
   record["options"] = options_record(options);
   record["scene"] = scene_record(scene);
   record["particles"] = Json::UInt64{frames.surfaces().particles().size()};

@@ -13,9 +13,9 @@
 
 namespace kappaflow {
 
-SceneFrames::SceneFrames(PreparedScene prepared, Ranks* ranks)
+SceneFrames::SceneFrames(const PreparedScene& prepared, std::unique_ptr<Liquid> liquid)
     : scene_(prepared.scene),
-      simulation_(std::move(prepared), ranks),
+      simulation_(prepared, std::move(liquid)),
       wall_distance_(simulation_.solids_at_start()) {
   if (scene_.fluid.heat) add_temperatures(surfaces());
 }
@@ -42,17 +42,17 @@ FrameReport SceneFrames::take_report(int frame) {
     wall_distance_ = WallDistance(solids);
     report.walls = surfaces_of(solids);
   }
-  report.bodies = simulation_.fluid().bodies();
-  report.particles = particles();
+  LiquidRecord liquid = simulation_.liquid().record();
+  report.bodies = std::move(liquid.bodies);
+  report.particles = std::move(liquid.particles);
   set_temperatures(report.particles, surfaces(), metrics);
   const SimulationReport since = simulation_.take_report();
   metrics.particles = report.particles.particles.size();
-  const std::vector<std::size_t> taken = simulation_.fluid().taken();
-  metrics.particles_taken = std::accumulate(taken.begin(), taken.end(), std::size_t{0});
-  metrics.taken_by_region = taken_text(taken);
+  metrics.particles_taken = std::accumulate(liquid.taken.begin(), liquid.taken.end(), std::size_t{0});
+  metrics.taken_by_region = taken_text(liquid.taken);
   metrics.penetration_max =
       penetration_max(report.particles.particles.position, wall_distance_, scene_.fluid.spacing);
-  const Compression now = compression(report.particles.density, simulation_.fluid().fluids(), scene_.fluid);
+  const Compression now = compression(report.particles.density, liquid.fluid, scene_.fluid);
   metrics.density_error_mean = std::max(now.mean, since.density_error_mean);
   metrics.density_error_max = std::max(now.max, since.density_error_max);
   metrics.viscosity_error = since.viscosity_error;
@@ -62,17 +62,10 @@ FrameReport SceneFrames::take_report(int frame) {
   return report;
 }
 
-ParticleFrame SceneFrames::particles() const {
-  const FluidSolver& fluid = simulation_.fluid();
-  const std::vector<double> temperature = fluid.temperatures();
-  return {fluid.particles(), fluid.densities(), fluid.pressures(), fluid.sources(),
-          std::vector<float>(temperature.begin(), temperature.end())};
-}
-
 std::string SceneFrames::kept_particles(const std::filesystem::path& file) const {
-  if (!simulation_.fluid().can_be_asked()) return "its particles are lost: the ranks are out of step";
+  if (!simulation_.liquid().can_be_asked()) return "its particles are lost: the ranks are out of step";
   try {
-    write_vtp(file, *particle_data(particles()));
+    write_vtp(file, *particle_data(simulation_.liquid().record().particles));
   } catch (const IoError& error) {
     return fmt::format("its particles are lost: {}", error.what());
   }

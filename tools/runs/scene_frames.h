@@ -1,6 +1,7 @@
 // The frames of a simulated scene.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "scenes/prepared_scene.h"
@@ -13,14 +14,15 @@ namespace kappaflow {
 class SceneFrames : public FrameSource {
  public:
   /// As Simulation.
-  explicit SceneFrames(PreparedScene prepared, Ranks* ranks = nullptr);
+  SceneFrames(const PreparedScene& prepared, std::unique_ptr<Liquid> liquid);
 
+  int liquid_ranks() const { return simulation_.liquid().ranks(); }  ///< that share the liquid
   int last_frame() const override { return last_frame_of(scene_); }
   double time_of(int frame) const override { return frame_time(scene_, frame); }
   bool advance(int frame, const Watch& watch) override;
   bool saves_between_frames() const override { return true; }
-  double time() const override { return simulation_.fluid().time(); }
-  std::size_t steps() const override { return simulation_.fluid().steps(); }
+  double time() const override { return simulation_.liquid().time(); }
+  std::size_t steps() const override { return simulation_.liquid().steps(); }
   const TrackedSurfaces& surfaces() const override { return simulation_.surfaces(); }
   TrackedSurfaces& surfaces() override { return simulation_.surfaces(); }
   const ParticleFieldOptions* particle_field() const override { return &surfaces().field_options(); }
@@ -33,8 +35,6 @@ class SceneFrames : public FrameSource {
   void read_state(StateReader& archive) override { archive(simulation_); }
 
  private:
-  ParticleFrame particles() const;
-
   Scene scene_;
   Simulation simulation_;
   WallDistance wall_distance_;  // where walls and bodies are in the frame

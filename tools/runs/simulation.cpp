@@ -13,8 +13,6 @@
 namespace kappaflow {
 namespace {
 
-// Times that differ by less are the same: rounding in the solver's sum of time steps [s].
-constexpr double kTimeTolerance = 1e-12;
 constexpr double kRepairPath = 0.8;  // of a particle from one repair of the mesh to the next [spacing]
 
 /// A cube of liquid of which more than half is further than sigma from the faces. The liquid with which an
@@ -41,56 +39,36 @@ SurfaceOptions surface_options(const Scene& scene) {
 
 }  // namespace
 
-FluidSolver make_fluid(const Scene& scene, FluidParticlesAtStart&& particles,
-                       std::span<const SolidWall> walls, std::span<const RigidBody> bodies, Ranks* ranks) {
-  FluidParticlesAtStart start = std::move(particles);
-  if (ranks != nullptr && ranks->rank() > 0) start = {};  // they come from the first
-  return {scene.fluid,  start.position,    start.velocity, walls, start.fluid,
-          start.source, start.temperature, bodies,         ranks};
-}
+Simulation::Simulation(PreparedScene prepared) : Simulation(prepared, own_liquid(prepared)) {}
 
-int last_frame_of(const Scene& scene) {
-  return static_cast<int>(std::ceil(scene.duration * scene.output.frames_per_second - 1e-9));
-}
-
-double frame_time(const Scene& scene, int frame) {
-  return std::min(frame / scene.output.frames_per_second, scene.duration);
-}
-
-Simulation::Simulation(PreparedScene prepared, Ranks* ranks)
-    : walls_(std::move(prepared.walls)),
+Simulation::Simulation(const PreparedScene& prepared, std::unique_ptr<Liquid> liquid)
+    : walls_(prepared.walls),
       bodies_(all_solids({}, prepared.bodies)),
-      fluid_(make_fluid(prepared.scene, std::move(prepared.start), walls_, prepared.bodies, ranks)),
-      surfaces_(fluid_.particles(), surface_options(prepared.scene)),
+      liquid_(std::move(liquid)),
+      surfaces_(liquid_->particles(), surface_options(prepared.scene)),
       tracers_(prepared.scene.output.metrics_interval > 0 ? std::span<const Vec3>(surfaces_.mesh().position)
                                                           : std::span<const Vec3>()),
-      motion_per_step_(prepared.scene.surface.motion_per_step * surfaces_.field_options().sigma),
       flows_in_(!prepared.scene.fluid.emitters.empty()) {
-  surfaces_.find_sources(fluid_.sources());
+  surfaces_.find_sources(liquid_->sources());
 }
 
 bool Simulation::advance(double time, const Watch& watch) {
-  while (time - fluid_.time() > kTimeTolerance) {
-    const Stopwatch watch_solver;
-    const FluidStep step = fluid_.step(time - fluid_.time());
-    report_.solver_seconds += watch_solver.seconds();
-    report_.density_error_mean = std::max(report_.density_error_mean, step.density_error_mean);
-    report_.density_error_max = std::max(report_.density_error_max, step.density_error_max);
-    report_.viscosity_error = std::max(report_.viscosity_error, step.viscosity_error);
-    Particles now = fluid_.particles();
-    if (!surfaces_wait(now, step.time_step) || !(time - fluid_.time() > kTimeTolerance))
-      step_surfaces(std::move(now));
-    if (!watch(step) && time - fluid_.time() > kTimeTolerance) return false;
+  for (bool stopped = false; !is_reached(liquid_->time(), time);) {
+    LiquidStep step = liquid_->step(time, stopped);
+    note(step);
+    if (step.surfaces_follow) step_surfaces(std::move(step.now));
+    stopped = !watch(step.last) || stopped;
+    if (stopped && liquid_->can_be_saved() && !is_reached(liquid_->time(), time)) return false;
   }
-  surfaces_.settle(fluid_.sources(), flows_in_);
+  surfaces_.settle(liquid_->sources(), flows_in_);
   return true;
 }
 
-/// Whether fast particles may go one more step of the liquid like the last one before the surfaces follow.
-bool Simulation::surfaces_wait(const Particles& now, double time_step) {
-  const double way = fast_speed(now) * time_step;
-  untracked_ += way;
-  return untracked_ + way <= motion_per_step_;
+void Simulation::note(const LiquidStep& step) {
+  report_.solver_seconds += step.seconds;
+  report_.density_error_mean = std::max(report_.density_error_mean, step.last.density_error_mean);
+  report_.density_error_max = std::max(report_.density_error_max, step.last.density_error_max);
+  report_.viscosity_error = std::max(report_.viscosity_error, step.last.viscosity_error);
 }
 
 void Simulation::step_surfaces(Particles now) {
@@ -98,7 +76,6 @@ void Simulation::step_surfaces(Particles now) {
     report_.tracer_seconds += seconds_of([&] { tracers_.step(step); });
     return true;
   });
-  untracked_ = 0;
 }
 
 std::vector<SolidWall> Simulation::solids_at_start() const {
@@ -108,8 +85,8 @@ std::vector<SolidWall> Simulation::solids_at_start() const {
 }
 
 std::vector<SolidWall> Simulation::solids_now() const {
-  std::vector<SolidWall> solids = walls_at(fluid_.time(), walls_);
-  const std::vector<BodyState> states = fluid_.bodies();
+  std::vector<SolidWall> solids = walls_at(liquid_->time(), walls_);
+  const std::vector<BodyState> states = liquid_->bodies();
   for (std::size_t b = 0; b < bodies_.size(); ++b)
     solids.emplace_back(moved(bodies_[b].surface(), states[b].pose));
   return solids;

@@ -2,23 +2,15 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "scenes/prepared_scene.h"
-#include "solver/fluid_solver.h"
 #include "surface/measure/material_tracers.h"
+#include "surface/tracker/tracked_surfaces.h"
+#include "tools/runs/liquid.h"
 
 namespace kappaflow {
-
-/// The number of a scene's last frame, which falls on its duration even where that is no multiple of the
-/// frame time.
-int last_frame_of(const Scene& scene);
-/// Of a frame of the scene [s].
-double frame_time(const Scene& scene, int frame);
-
-/// The liquid of a scene; lets go of the particles, of which it has a copy of its own.
-FluidSolver make_fluid(const Scene& scene, FluidParticlesAtStart&& particles,
-                       std::span<const SolidWall> walls, std::span<const RigidBody> bodies, Ranks* ranks);
 
 /// What happened to liquid and surfaces since the last frame.
 struct SimulationReport {
@@ -39,11 +31,13 @@ struct SimulationReport {
 /// SurfaceOptions::motion_per_step.
 class Simulation {
  public:
-  /// Meshes the surface at t = 0. ranks: that share the liquid; this is the first one. Throws InvalidInput
-  /// when the surface is empty.
-  explicit Simulation(PreparedScene prepared, Ranks* ranks = nullptr);
+  /// Meshes the surface at t = 0. liquid: of this scene, at its start. Throws InvalidInput when the surface
+  /// is empty.
+  Simulation(const PreparedScene& prepared, std::unique_ptr<Liquid> liquid);
+  /// With a solver of its own.
+  explicit Simulation(PreparedScene prepared);
 
-  /// Called after every solver step; returns whether to go on.
+  /// Called after every step of the liquid; returns whether to go on.
   using Watch = std::function<bool(const FluidStep&)>;
 
   /// Advances liquid and surfaces to `time` [s], where every vertex has a source. Returns false when `watch`
@@ -51,7 +45,7 @@ class Simulation {
   /// if it had not been.
   bool advance(double time, const Watch& watch);
 
-  const FluidSolver& fluid() const { return fluid_; }
+  const Liquid& liquid() const { return *liquid_; }
   const Particles& particles() const { return surfaces_.particles(); }  ///< at the surfaces' time
   const TrackedSurfaces& surfaces() const { return surfaces_; }
   TrackedSurfaces& surfaces() { return surfaces_; }
@@ -68,21 +62,23 @@ class Simulation {
   /// See core/saved_state.h; for a simulation of the same scene.
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(fluid_, surfaces_, tracers_, untracked_, report_);
+    if constexpr (Archive::is_loading::value)
+      liquid_->read_state(archive);
+    else
+      liquid_->write_state(archive);
+    archive(surfaces_, tracers_, liquid_->pace(), report_);
   }
 
  private:
-  bool surfaces_wait(const Particles& now, double time_step);
+  void note(const LiquidStep& step);
   void step_surfaces(Particles now);
 
   std::vector<SolidWall> walls_;
   std::vector<SolidWall> bodies_;  // at t = 0
-  FluidSolver fluid_;
+  std::unique_ptr<Liquid> liquid_;
   TrackedSurfaces surfaces_;
   MaterialTracers tracers_;
-  double motion_per_step_;   // of fast particles in a step of the surfaces [m]
   bool flows_in_;            // liquid from emitters
-  double untracked_ = 0;     // the way of fast particles since the surfaces' last step [m]
   SimulationReport report_;  // but for the surfaces
 };
 

@@ -57,6 +57,27 @@ ranks(1 0 run ${scene} ${short} --out one)
 execute_process(COMMAND ${PROGRAM} run ${scene} ${short} --out without WORKING_DIRECTORY ${FOLDER} COMMAND_ERROR_IS_FATAL ANY)
 expect_same(one without)
 
+# expect_liquid_ranks(RUN NUMBER): of those that share the liquid.
+function(expect_liquid_ranks run number)
+  file(READ ${FOLDER}/${run}/run.json record)
+  string(JSON found GET "${record}" liquid_ranks)
+  if(NOT found EQUAL number)
+    message(FATAL_ERROR "${run}: ${found} ranks share the liquid, not ${number}")
+  endif()
+endfunction()
+
+# The first rank has the surfaces alone: the other one has all of the liquid, as one process has it. Where the surfaces are few,
+# both share it.
+ranks(2 0 run ${scene} ${short} --threads 1 --out apart)
+expect_liquid_ranks(once 3)
+expect_liquid_ranks(apart 1)
+expect_same(apart without)
+set(lava ${SOURCE_DIR}/scenes/lava.toml --track material --quiet --duration 0.02)
+ranks(2 0 run ${lava} --threads 1 --out shared)
+ranks(2 0 run ${lava} --threads 2 --out shared-again)
+expect_liquid_ranks(shared 2)
+expect_same(shared shared-again)
+
 # Interrupted: the scene goes on for longer than it is let.
 execute_process(COMMAND sh -c "
   ${MPIRUN} --oversubscribe --bind-to none -n 4 ${PROGRAM} run ${scene} --track material --quiet --threads 1 --out stopped &

@@ -68,7 +68,8 @@ upper = [0.3, 0.3, 0.3]
 [output]
 frames_per_second = 50.0
 )"));
-  FailingFrames frames(prepare(scene));
+  PreparedScene prepared = prepare(scene);
+  FailingFrames frames(prepared, own_liquid(prepared));
   const std::filesystem::path out = folder / "out";
   RunFolder run(out, scene.surface.methods, false);
   RunDriver driver(frames, run,

@@ -17,14 +17,15 @@ namespace {
 class Simulations : public Scratch {};
 
 void expect_same(const Simulation& one, const Simulation& other) {
-  EXPECT_EQ(one.fluid().time(), other.fluid().time());
-  EXPECT_EQ(one.fluid().steps(), other.fluid().steps());
-  EXPECT_EQ(one.fluid().pressures(), other.fluid().pressures());
-  EXPECT_EQ(one.fluid().sources(), other.fluid().sources());
-  EXPECT_EQ(one.fluid().temperatures(), other.fluid().temperatures());
-  ASSERT_EQ(one.fluid().bodies().size(), other.fluid().bodies().size());
-  for (std::size_t b = 0; b < one.fluid().bodies().size(); ++b) {
-    const BodyState x = one.fluid().bodies()[b], y = other.fluid().bodies()[b];
+  EXPECT_EQ(one.liquid().time(), other.liquid().time());
+  EXPECT_EQ(one.liquid().steps(), other.liquid().steps());
+  const LiquidRecord of_one = one.liquid().record(), of_other = other.liquid().record();
+  EXPECT_EQ(of_one.particles.pressure, of_other.particles.pressure);
+  EXPECT_EQ(of_one.particles.source, of_other.particles.source);
+  EXPECT_EQ(of_one.particles.temperature, of_other.particles.temperature);
+  ASSERT_EQ(of_one.bodies.size(), of_other.bodies.size());
+  for (std::size_t b = 0; b < of_one.bodies.size(); ++b) {
+    const BodyState &x = of_one.bodies[b], &y = of_other.bodies[b];
     EXPECT_EQ(x.pose.rotation, y.pose.rotation);
     EXPECT_EQ(x.pose.translation, y.pose.translation);
     EXPECT_EQ(x.velocity.linear, y.velocity.linear);
@@ -89,7 +90,7 @@ TEST_F(Simulations, SavedAndReadBackAfterEveryStepAreTheSame) {
 
 /// How many of the mesh's vertices have the source of the particle that is nearest to them now.
 std::size_t of_nearest_particle(const Simulation& simulation, const TriangleMesh& mesh) {
-  const std::vector<int> source = simulation.fluid().sources();
+  const std::vector<int> source = simulation.liquid().sources();
   const std::vector<Vec3>& position = simulation.particles().position;
   std::size_t count = 0;
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
@@ -147,8 +148,8 @@ upper = [0.9, 0.5, 0.5]
     for (const Vec3& x : mesh.position) farthest = std::max(farthest, x.x());
     EXPECT_LT(farthest, 0.2 + sigma);
   }
-  EXPECT_GT(simulation.fluid().steps(), 150u);
-  EXPECT_GT(simulation.fluid().taken()[0], simulation.fluid().size());
+  EXPECT_GT(simulation.liquid().steps(), 150u);
+  EXPECT_GT(simulation.liquid().record().taken[0], simulation.liquid().particles().size());
 }
 
 }  // namespace

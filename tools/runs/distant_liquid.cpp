@@ -1,0 +1,278 @@
+// Two ranks talk here: 0, which has the surfaces, and 1, the first of those that share the liquid. After the
+// first news, of the start, 0 orders and 1 answers with news.
+#include "tools/runs/distant_liquid.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <sstream>
+#include <utility>
+
+#include "core/errors.h"
+
+namespace kappaflow {
+
+// What goes from one rank to the other, see core/saved_state.h: of a step what Simulation and its watch ask.
+template <class Archive>
+void serialize(Archive& archive, FluidStep& step) {
+  archive(step.time_step, step.density_iterations, step.divergence_iterations, step.viscosity_iterations,
+          step.viscosity_error, step.density_error_mean, step.density_error_max, step.fastest);
+}
+template <class Archive>
+void serialize(Archive& archive, LiquidStep& step) {
+  archive(step.last, step.seconds, step.now, step.surfaces_follow);
+}
+template <class Archive>
+void serialize(Archive& archive, BodyState& body) {
+  archive(body.pose.rotation, body.pose.translation, body.velocity.point, body.velocity.linear,
+          body.velocity.angular);
+}
+template <class Archive>
+void serialize(Archive& archive, ParticleFrame& frame) {
+  archive(frame.particles, frame.density, frame.pressure, frame.source, frame.temperature);
+}
+template <class Archive>
+void serialize(Archive& archive, LiquidRecord& record) {
+  archive(record.particles, record.fluid, record.taken, record.bodies);
+}
+
+namespace {
+
+constexpr int kSurfaces = 0, kLiquid = 1;  // ranks
+
+enum class Order : std::int64_t {
+  begin,    // from t = 0
+  restore,  // from the state that follows
+  go_on,    // send the next news
+  save,     // and the state with it
+  end
+};
+
+/// What the liquid's rank tells of a step.
+struct News {
+  double time = 0;
+  std::size_t steps = 0;
+  LiquidStep step;
+  std::string failure;  // empty: none
+  int exit_code = 0;    // of the failure
+  std::optional<LiquidRecord> record;
+  std::string state;  // empty: not told
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(time, steps, step, failure, exit_code, record, state);
+  }
+};
+
+void send(Ranks& ranks, int to, std::string text) {
+  std::uint64_t size = text.size();
+  ranks.exchange_asleep(std::array{Parcel{to, bytes_in(std::span(&size, 1))}}, {});
+  ranks.exchange(std::array{Parcel{to, bytes_in(std::span(text))}}, {});
+}
+
+std::string receive(Ranks& ranks, int from) {
+  std::uint64_t size = 0;
+  ranks.exchange_asleep({}, std::array{Parcel{from, bytes_in(std::span(&size, 1))}});
+  std::string text(size, '\0');
+  ranks.exchange({}, std::array{Parcel{from, bytes_in(std::span(text))}});
+  return text;
+}
+
+template <class... Values>
+void send_values(Ranks& ranks, int to, const Values&... values) {
+  std::ostringstream text;
+  StateWriter(text, little_endian())(values...);
+  send(ranks, to, std::move(text).str());
+}
+
+template <class... Values>
+void receive_values(Ranks& ranks, int from, Values&... values) {
+  std::istringstream text(receive(ranks, from));
+  StateReader archive(text);
+  archive(values...);
+}
+
+Order next_order(Ranks& ranks) {
+  Order order = Order::end;
+  receive_values(ranks, kSurfaces, order);
+  return order;
+}
+
+News failure_of(const Error& error) {
+  News news;
+  news.failure = error.what();
+  news.exit_code = error.exit_code();
+  return news;
+}
+
+[[noreturn]] void throw_failure(const News& news) {
+  if (news.exit_code == InvalidInput("").exit_code()) throw InvalidInput(news.failure);
+  throw SolverFailure(news.failure);
+}
+
+/// The liquid's part of the conversation.
+class LiquidServer {
+ public:
+  LiquidServer(const Scene& scene, Ranks& ranks) : scene_(scene), ranks_(ranks) {}
+
+  /// ranks: that share the liquid, or nullptr.
+  void serve(PreparedScene& prepared, Ranks* ranks) {
+    std::unique_ptr<Liquid> liquid;
+    try {
+      liquid = own_liquid(prepared, ranks);
+    } catch (const InvalidInput& error) {
+      return tell(failure_of(error));
+    } catch (const SolverFailure& error) {
+      return tell(failure_of(error));
+    }
+    tell(news_of(*liquid, true));
+    if (begin(*liquid)) run(*liquid);
+  }
+
+ private:
+  /// Returns whether to go on.
+  bool begin(Liquid& liquid) {
+    const Order order = next_order(ranks_);
+    if (order != Order::restore) return order != Order::end;
+    std::string state;
+    receive_values(ranks_, kSurfaces, liquid.pace(), state);
+    std::istringstream text(state);
+    StateReader archive(text);
+    liquid.read_state(archive);
+    return true;
+  }
+
+  void run(Liquid& liquid) {
+    const int last = last_frame_of(scene_);
+    int frame = 0;
+    while (frame < last) {
+      if (is_reached(liquid.time(), frame_time(scene_, frame + 1))) {
+        ++frame;
+        continue;
+      }
+      News news = next(liquid, frame_time(scene_, frame + 1));
+      const Order order = next_order(ranks_);
+      if (order == Order::end) return;
+      if (order == Order::save && news.failure.empty() && news.state.empty()) news.state = state_of(liquid);
+      const bool failed = !news.failure.empty();
+      tell(std::move(news));
+      if (failed) break;
+    }
+    next_order(ranks_);  // nothing comes but the end
+  }
+
+  /// As far as the surfaces may wait.
+  News next(Liquid& liquid, double until) {
+    LiquidStep all;
+    try {
+      do {
+        add(liquid.step(until, false), all);
+      } while (!all.surfaces_follow);
+    } catch (const SolverFailure& error) {
+      News news = failure_of(error);
+      if (liquid.can_be_asked()) news.record = liquid.record();
+      return news;
+    }
+    News news = news_of(liquid, is_reached(liquid.time(), until));
+    news.step = std::move(all);
+    return news;
+  }
+
+  static void add(LiquidStep step, LiquidStep& all) {
+    const FluidStep before = all.last;
+    step.seconds += all.seconds;
+    step.last.density_error_mean = std::max(step.last.density_error_mean, before.density_error_mean);
+    step.last.density_error_max = std::max(step.last.density_error_max, before.density_error_max);
+    step.last.viscosity_error = std::max(step.last.viscosity_error, before.viscosity_error);
+    all = std::move(step);
+  }
+
+  static News news_of(Liquid& liquid, bool in_frame) {
+    News news;
+    news.time = liquid.time();
+    news.steps = liquid.steps();
+    if (!in_frame) return news;
+    news.record = liquid.record();
+    news.state = state_of(liquid);
+    return news;
+  }
+
+  static std::string state_of(Liquid& liquid) {
+    std::ostringstream text;
+    StateWriter archive(text, little_endian());
+    liquid.write_state(archive);
+    return std::move(text).str();
+  }
+
+  void tell(const News& news) { send_values(ranks_, kSurfaces, news); }
+
+  const Scene& scene_;
+  Ranks& ranks_;
+};
+
+}  // namespace
+
+DistantLiquid::DistantLiquid(const PreparedScene& prepared, Ranks& ranks)
+    : Liquid(prepared.scene), prepared_(prepared), ranks_(ranks) {
+  ranks_.announce({RankTask::make});
+  ranks_.others();
+  ranks_.finish();
+  News news;
+  receive_values(ranks_, kLiquid, news);
+  if (!news.failure.empty()) throw_failure(news);
+  record_ = std::move(*news.record);
+  saved_ = std::move(news.state);
+}
+
+DistantLiquid::~DistantLiquid() {
+  send_values(ranks_, kLiquid, Order::end);
+}
+
+void DistantLiquid::begin() {
+  begun_ = true;
+  if (!restored_) return send_values(ranks_, kLiquid, Order::begin);
+  send_values(ranks_, kLiquid, Order::restore);
+  send_values(ranks_, kLiquid, pace(), saved_);
+  pace().follow();  // from here on the others keep it
+}
+
+LiquidStep DistantLiquid::step(double /*until*/, bool last) {
+  if (!begun_) begin();
+  send_values(ranks_, kLiquid, last ? Order::save : Order::go_on);
+  News news;
+  receive_values(ranks_, kLiquid, news);
+  if (news.record) record_ = std::move(*news.record);
+  if (!news.failure.empty()) throw_failure(news);
+  time_ = news.time;
+  steps_ = news.steps;
+  saved_ = std::move(news.state);
+  return std::move(news.step);
+}
+
+void DistantLiquid::write_state(StateWriter& archive) {
+  constexpr std::size_t kOrderOfBytes = 1;  // that an archive begins with
+  archive(cereal::binary_data(saved_.data() + kOrderOfBytes, saved_.size() - kOrderOfBytes));
+}
+
+void DistantLiquid::read_state(StateReader& archive) {
+  SavedFluid saved = FluidSolver::take_saved(archive, prepared_.scene.fluid, prepared_.bodies);
+  time_ = saved.time;
+  steps_ = saved.steps;
+  saved_ = std::move(saved.bytes);
+  record_ = {};
+  restored_ = true;
+}
+
+void serve_liquid(PreparedScene prepared, Ranks& ranks) {
+  const std::unique_ptr<Ranks> part = ranks.others();
+  Ranks* const shared = part->size() > 1 ? part.get() : nullptr;
+  if (part->rank() == 0) {
+    LiquidServer(prepared.scene, ranks).serve(prepared, shared);
+    if (shared != nullptr) shared->announce({RankTask::end});
+  } else if (shared->next_order().task == RankTask::make) {
+    make_fluid(prepared, shared).follow();
+  }
+}
+
+}  // namespace kappaflow

@@ -1,0 +1,51 @@
+// Surfaces on the first rank alone, and the liquid on the others, which goes on meanwhile.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "solver/ranks.h"
+#include "tools/runs/liquid.h"
+
+namespace kappaflow {
+
+/// On the first of several ranks, that has none of the liquid itself: what the others, which are at
+/// serve_liquid(), tell it. They are one step of the surfaces ahead.
+class DistantLiquid final : public Liquid {
+ public:
+  /// Throws what making the solver throws there. prepared: must outlive it.
+  DistantLiquid(const PreparedScene& prepared, Ranks& ranks);
+  DistantLiquid(const DistantLiquid&) = delete;
+  DistantLiquid& operator=(const DistantLiquid&) = delete;
+  /// Ends serve_liquid().
+  ~DistantLiquid() override;
+
+  int ranks() const override { return ranks_.size() - 1; }
+  double time() const override { return time_; }
+  std::size_t steps() const override { return steps_; }
+  Particles particles() const override { return record_.particles.particles; }
+  std::vector<int> sources() const override { return record_.particles.source; }
+  std::vector<BodyState> bodies() const override { return record_.bodies; }
+  LiquidRecord record() const override { return record_; }
+  bool can_be_asked() const override { return true; }  // what is known is here
+  LiquidStep step(double until, bool last) override;
+  bool can_be_saved() const override { return !saved_.empty(); }
+  void write_state(StateWriter& archive) override;
+  void read_state(StateReader& archive) override;
+
+ private:
+  void begin();
+
+  const PreparedScene& prepared_;
+  Ranks& ranks_;
+  bool begun_ = false, restored_ = false;
+  double time_ = 0;
+  std::size_t steps_ = 0;
+  LiquidRecord record_;  // of the last frame, or of a failure
+  std::string saved_;    // the state at time_, where it is known
+};
+
+/// What the ranks above 0 do for a DistantLiquid on the first one, until that is destroyed.
+void serve_liquid(PreparedScene prepared, Ranks& ranks);
+
+}  // namespace kappaflow
