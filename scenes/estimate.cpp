@@ -22,6 +22,7 @@ constexpr double kBytesOfProgram = 40e6;           // with its libraries
 constexpr double kBytesPerParticleInSolver = 450;  // what `kappaflow benchmark` measures, rounded up
 constexpr double kBytesPerParticleOfHeat = 80;     // in scenes that have it: the temperatures and their solve
 constexpr double kBytesPerParticleCollected = 80;  // from ranks that share the liquid
+constexpr double kBytesPerParticleTold = 400;      // by those that have it to one that has none
 constexpr double kBytesPerSampledParticle = 900;   // of a wall, while the walls are sampled
 // Particles at both ends of a step, the paths between them, and the fields of up to three stages, all in
 // double precision.
@@ -88,13 +89,15 @@ constexpr double kRegionsPerMotion = 0.07, kStreamRegionsPerMotion = 7e-5;
 constexpr double kFoldingPower = 0.8, kMostFolding = 30;
 
 double memory(const Scene& scene, double particles, double boundary_particles, double vertices,
-              double share) {
+              const LiquidPlace& place) {
   const double methods = static_cast<double>(scene.surface.methods.size());
   const double sample = kSampleSpacing * scene.surface.sigma;  // [spacings]
   const double samples = methods > 0 ? kSpread * particles / (sample * sample * sample) : 0;
   const double heat = scene.fluid.heat ? kBytesPerParticleOfHeat : 0;
-  const double in_solver =
-      share * (kBytesPerParticleInSolver + heat) + (share < 1 ? kBytesPerParticleCollected : 0);
+  const double collected = place.is_apart    ? kBytesPerParticleTold
+                           : place.share < 1 ? kBytesPerParticleCollected
+                                             : 0;
+  const double in_solver = place.share * (kBytesPerParticleInSolver + heat) + collected;
   const double run = particles * (in_solver + kBytesPerParticleInField) +
                      boundary_particles * kBytesPerBoundaryParticle + methods * vertices * kBytesPerVertex +
                      samples * kBytesPerSample;
@@ -389,7 +392,7 @@ std::size_t whole_count(double number) {
 
 }  // namespace
 
-SceneEstimate estimate(const PreparedScene& prepared, int threads, double share) {
+SceneEstimate estimate(const PreparedScene& prepared, int threads, const LiquidPlace& place) {
   const Scene& scene = prepared.scene;
   double wall_area = 0;
   for (const SolidWall& wall : prepared.walls) wall_area += surface_area(wall.surface());
@@ -401,7 +404,7 @@ SceneEstimate estimate(const PreparedScene& prepared, int threads, double share)
   result.emitted = whole_count(particles - static_cast<double>(result.particles));
   result.boundary_particles = whole_count(std::round(boundary));
   add_work(scene, prepared.start, flow_of(prepared, particles), threads, result);
-  result.memory_bytes = whole_count(memory(scene, particles, boundary, result.vertices, share));
+  result.memory_bytes = whole_count(memory(scene, particles, boundary, result.vertices, place));
   return result;
 }
 

@@ -19,9 +19,15 @@ struct SceneEstimate {
   double seconds = 0;                  ///< wall time
   double liquid_seconds = 0;           ///< of it, without surfaces and files
 };
-/// threads: on which the run will be, >= 1. share: of the liquid that the first rank's machine holds, where
-/// several share it (docs/scaling.md). The models and their constants stand in estimate.cpp; seconds are
+
+/// Where the liquid of several ranks is (docs/scaling.md).
+struct LiquidPlace {
+  double share = 1;       ///< of it on the first rank's machine
+  bool is_apart = false;  ///< whether that rank itself has none of it
+};
+
+/// threads: on which the run will be, >= 1. The models and their constants stand in estimate.cpp; seconds are
 /// good to a factor of about two, but for thin threads of thick liquid: docs/performance.md.
-SceneEstimate estimate(const PreparedScene& prepared, int threads, double share = 1);
+SceneEstimate estimate(const PreparedScene& prepared, int threads, const LiquidPlace& place = {});
 
 }  // namespace kappaflow

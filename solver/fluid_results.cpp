@@ -121,6 +121,7 @@ RankTask FluidSolver::follow() {
         break;
       case RankTask::resume:
       case RankTask::make:
+      case RankTask::serve:
       case RankTask::end:
         return order.task;
     }

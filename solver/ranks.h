@@ -20,7 +20,8 @@ enum class RankTask : std::int64_t {
   collect_motion,
   collect_all,
   collect_shares,
-  restore
+  restore,
+  serve  ///< the liquid is that of the others alone
 };
 
 struct RankOrder {
@@ -28,7 +29,8 @@ struct RankOrder {
   double value = 0;  ///< of a step: the time left for it [s]
 };
 
-/// What a rank has sent since the start, and how long it was at that and at waiting for the others' [s].
+/// What a rank has sent since the start, and how long it was, awake, at that and at waiting for the others
+/// [s].
 struct RankTraffic {
   std::uint64_t messages = 0, bytes = 0;
   double seconds = 0;
@@ -97,10 +99,12 @@ class Ranks {
     RankOrder order;
     tell(bytes_in(std::span(&order, 1)));
     ended_ = order.task == RankTask::end;
-    begun_ = begun_ || order.task == RankTask::make;
+    begun_ = begun_ || order.task == RankTask::make || order.task == RankTask::serve;
     return order;
   }
   void finish() { busy_ = false; }
+  /// Rank 0 begins, unannounced, what another waits for; until finish().
+  void start() { busy_ = true; }
   /// Whether rank 0 is at something that all take part in.
   bool busy() const { return busy_; }
   /// Whether rank 0 has begun, and whether it has said that there is nothing more to do.

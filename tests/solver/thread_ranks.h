@@ -5,6 +5,7 @@
 #include <barrier>
 #include <condition_variable>
 #include <deque>
+#include <exception>
 #include <functional>
 #include <map>
 #include <memory>
@@ -22,6 +23,13 @@ namespace kappaflow {
 struct RankBoard {
   explicit RankBoard(int size)
       : barrier(size), own(size), others(size > 1 ? std::make_unique<RankBoard>(size - 1) : nullptr) {}
+
+  RankBoard(const RankBoard&) = delete;
+  RankBoard& operator=(const RankBoard&) = delete;
+  ~RankBoard() {
+    for (const auto& [way, box] : post)
+      if (!box.empty()) std::terminate();  // nobody has taken it
+  }
 
   std::barrier<> barrier;
   std::vector<std::span<const std::byte>> own;

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <exception>
 #include <functional>
 #include <memory>
 #include <numeric>
@@ -76,7 +77,7 @@ class MpiRanks : public Ranks {
   ~MpiRanks() override {
     if (all_ == MPI_COMM_WORLD)
       MPI_Finalize();
-    else
+    else if (std::uncaught_exceptions() == 0)  // after an error the others may not come to it
       MPI_Comm_free(&all_);
   }
 

@@ -40,6 +40,8 @@ std::optional<double> common_time(std::span<const ImagePiece> pieces) {
   const ImagePiece* timed = nullptr;
   for (const ImagePiece& piece : pieces) {
     if (!piece.frame.time) continue;
+    if (!std::isfinite(*piece.frame.time))
+      throw InvalidInput({piece.file.string()}, fmt::format("its time is {} s", *piece.frame.time));
     if (timed == nullptr) timed = &piece;
     if (*piece.frame.time != *timed->frame.time)
       throw InvalidInput({piece.file.string()},
@@ -57,14 +59,18 @@ struct ValueLattice {
 /// Of the piece, by the numbers of the lattice, which that of `file` is. Throws InvalidInput where it is on
 /// another.
 LatticeBox box_on(const ValueLattice& lattice, const ImagePiece& piece, const fs::path& file) {
-  constexpr double kFarthest = 1e9, kTolerance = 1e-3;
+  constexpr double kFarthest = 1e9, kTolerance = 1e-3, kRounding = 1e-6,
+                   kMostTolerance = 0.2;  // of origins in text with few digits
   LatticeBox box;
   for (int c = 0; c < 3; ++c) {
     const int count = piece.frame.dims[c];
     const double first = (piece.frame.origin[c] - lattice.origin[c]) / lattice.spacing[c],
-                 drift = count * (piece.frame.spacing[c] / lattice.spacing[c] - 1);
-    if (!(std::abs(first) < kFarthest) || !(std::abs(first - std::round(first)) <= kTolerance) ||
-        !(std::abs(drift) <= kTolerance))
+                 drift = count * (piece.frame.spacing[c] / lattice.spacing[c] - 1),
+                 tolerance =
+                     std::min(kTolerance + kRounding * std::abs(piece.frame.origin[c] / lattice.spacing[c]),
+                              kMostTolerance);
+    if (!(std::abs(first) < kFarthest) || !(std::abs(first - std::round(first)) <= tolerance) ||
+        !(std::abs(drift) <= tolerance))
       throw InvalidInput(
           {piece.file.string()},
           fmt::format(
@@ -125,10 +131,13 @@ Arrangement arranged(std::span<const ImagePiece> pieces) {
   const ImageFrame& first = pieces.front().frame;
   Arrangement result{.origin = first.origin};
   LatticeBox& whole = result.whole;
+  bool found = false;  // a piece with values
   for (const ImagePiece& piece : pieces) {
     const LatticeBox box = box_on({first.origin, first.spacing}, piece, pieces.front().file);
-    if (result.has.empty()) whole = box;
-    for (int c = 0; c < 3; ++c) {
+    const bool is_empty = std::ranges::any_of(piece.frame.dims, [](int n) { return n == 0; });
+    if (!found && !is_empty) whole = box, result.origin = piece.frame.origin;
+    found = found || !is_empty;
+    for (int c = 0; c < 3 && !is_empty; ++c) {
       if (box.first[c] < whole.first[c]) result.origin[c] = piece.frame.origin[c];
       whole.first[c] = std::min(whole.first[c], box.first[c]);
       whole.last[c] = std::max(whole.last[c], box.last[c]);

@@ -1,6 +1,8 @@
 #include "tools/io/input_frames.h"
 
 #include <algorithm>
+#include <iterator>
+#include <system_error>
 #include <utility>
 
 #include "core/bytes.h"
@@ -28,6 +30,7 @@ InputFrames::InputFrames(FileSeries series, std::size_t limit) : series_(std::mo
 
 InputFrame InputFrames::read(std::size_t frame) {
   if (ahead_.valid() && number_ahead_ == frame) return ahead_.get();
+  if (ahead_.valid()) ahead_.wait();  // not every library may read two files at once
   if (sigma_ == 0) return read_input_frame(series_.files_of(frame));
   return read_near_surface(series_.files_of(frame), sigma_, ids_before(frame));
 }
@@ -37,8 +40,12 @@ void InputFrames::read_ahead(std::size_t frame) {
   if (sigma_ > 0 || frame == series_.files.size() || is_here(frame)) return;
   const auto files = series_.files_of(frame);
   number_ahead_ = frame;
-  ahead_ = std::async(std::launch::async,
-                      [own = std::vector(files.begin(), files.end())] { return read_input_frame(own); });
+  try {
+    ahead_ = std::async(std::launch::async,
+                        [own = std::vector(files.begin(), files.end())] { return read_input_frame(own); });
+  } catch (const std::system_error&) {
+    ahead_ = {};  // no thread is to be had: then it is read when it is asked for
+  }
 }
 
 /// Of the particles that go on from the frame before, ascending.
@@ -54,7 +61,8 @@ const InputFrame& InputFrames::operator[](std::size_t frame) {
   for (auto* frames : {&kept_, &last_})
     if (const auto found = frames->find(frame); found != frames->end()) return found->second;
   InputFrame now = read(frame);
-  read_ahead(frame + 1);
+  if (frame == 0 || frame == last_read_ + 1) read_ahead(frame + 1);
+  last_read_ = frame;
   if (series_.backward)
     for (Vec3& velocity : now.velocity) velocity = -velocity;
   const std::size_t bytes = bytes_in(now);
@@ -62,7 +70,13 @@ const InputFrame& InputFrames::operator[](std::size_t frame) {
     room_ -= bytes;
     return kept_.emplace(frame, std::move(now)).first->second;
   }
-  if (last_.size() == (sigma_ == 0 ? kWindow : kNearWindow)) last_.erase(last_.begin());
+  if (last_.size() == (sigma_ == 0 ? kWindow : kNearWindow)) {
+    const auto lowest = last_.begin(), highest = std::prev(last_.end());
+    const auto distance = [frame](std::size_t other) {
+      return other < frame ? frame - other : other - frame;
+    };
+    last_.erase(distance(lowest->first) < distance(highest->first) ? highest : lowest);
+  }
   return last_.emplace(frame, std::move(now)).first->second;
 }
 

@@ -12,9 +12,9 @@
 
 namespace kappaflow {
 
-/// Reads frames when they are asked for, and the next one beside what else is done. The first to be read stay
-/// in memory, up to a limit; of the others only those read last do. So who goes through a series twice, to
-/// check it and to use it, reads each file once where the series fits.
+/// Reads frames when they are asked for, and, of those in a row, the next one beside what else is done. The
+/// first to be read stay in memory, up to a limit; of the others only those read last do. So who goes through
+/// a series twice, to check it and to use it, reads each file once where the series fits.
 class InputFrames {
  public:
   static constexpr std::size_t kMostBytes = std::size_t{512} << 20;
@@ -51,7 +51,7 @@ class InputFrames {
   std::map<std::size_t, InputFrame> kept_;  // for good
   std::map<std::size_t, InputFrame> last_;  // those read last, at most kWindow
   std::future<InputFrame> ahead_;           // of the frame number_ahead_, where it is valid
-  std::size_t number_ahead_ = 0;
+  std::size_t number_ahead_ = 0, last_read_ = 0;
 };
 
 }  // namespace kappaflow

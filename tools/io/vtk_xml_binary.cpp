@@ -75,7 +75,9 @@ class Bytes {
   /// Of the digits that come next as many groups of four as make up `count` bytes: nearly all of a text, and
   /// ten times as fast as one by one.
   void decode_digits(std::size_t count) {
-    const std::size_t before = decoded_.size(), most = std::min((count - before + 2) / 3, text_.size() / 4);
+    constexpr std::size_t kAtOnce = 1024;  // lines may be short
+    const std::size_t before = decoded_.size(),
+                      most = std::min({(count - before + 2) / 3, text_.size() / 4, kAtOnce});
     decoded_.resize(before + 3 * most);
     std::size_t n = 0;
     for (; n < most; ++n) {

@@ -169,9 +169,9 @@ std::string check_text(const PreparedScene& prepared, int threads) {
              duration_text(cost.seconds), threads, threads == 1 ? "" : "s");
 }
 
-void require_memory(const PreparedScene& prepared, std::size_t available, double share) {
+void require_memory(const PreparedScene& prepared, std::size_t available, const LiquidPlace& place) {
   if (!prepared.scene.fluid.outflows.empty()) return;  // the estimate does not know what they take
-  const std::size_t needed = estimate(prepared, 1, share).memory_bytes;
+  const std::size_t needed = estimate(prepared, 1, place).memory_bytes;
   if (needed > available)
     throw InvalidInput(
         fmt::format("{}: needs about {:.3g} GB of memory, there are {:.3g} GB; a larger "

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <string>
 
+#include "scenes/estimate.h"
 #include "scenes/prepared_scene.h"
 
 namespace kappaflow {
@@ -11,9 +12,9 @@ namespace kappaflow {
 /// A readable summary of the scene with the estimate for this many threads.
 std::string check_text(const PreparedScene& prepared, int threads);
 
-/// Throws InvalidInput where the scene's estimate is more than `available` bytes of memory. share: see
+/// Throws InvalidInput where the scene's estimate is more than `available` bytes of memory. place: see
 /// estimate().
-void require_memory(const PreparedScene& prepared, std::size_t available, double share = 1);
+void require_memory(const PreparedScene& prepared, std::size_t available, const LiquidPlace& place = {});
 
 /// Of the machine [bytes].
 std::size_t machine_memory();

@@ -205,7 +205,12 @@ class LiquidServer {
     return std::move(text).str();
   }
 
-  void tell(const News& news) { send_values(ranks_, kSurfaces, news); }
+  void tell(News news) {
+    std::ostringstream text;
+    StateWriter(text, little_endian())(news);
+    news = {};  // large
+    send(ranks_, kSurfaces, std::move(text).str());
+  }
 
   const Scene& scene_;
   Ranks& ranks_;
@@ -215,11 +220,11 @@ class LiquidServer {
 
 DistantLiquid::DistantLiquid(const PreparedScene& prepared, Ranks& ranks)
     : Liquid(prepared.scene), prepared_(prepared), ranks_(ranks) {
-  ranks_.announce({RankTask::make});
+  ranks_.announce({RankTask::serve});
   ranks_.others();
-  ranks_.finish();
   News news;
   receive_values(ranks_, kLiquid, news);
+  ranks_.finish();
   if (!news.failure.empty()) throw_failure(news);
   record_ = std::move(*news.record);
   saved_ = std::move(news.state);
@@ -238,11 +243,14 @@ void DistantLiquid::begin() {
 }
 
 LiquidStep DistantLiquid::step(double /*until*/, bool last) {
+  ranks_.start();
   if (!begun_) begin();
   send_values(ranks_, kLiquid, last ? Order::save : Order::go_on);
   News news;
   receive_values(ranks_, kLiquid, news);
-  if (news.record) record_ = std::move(*news.record);
+  ranks_.finish();
+  if (!news.record) news.record.emplace().particles.particles = news.step.now;
+  record_ = std::move(*news.record);
   if (!news.failure.empty()) throw_failure(news);
   time_ = news.time;
   steps_ = news.steps;

@@ -27,7 +27,8 @@ class DistantLiquid final : public Liquid {
   std::vector<int> sources() const override { return record_.particles.source; }
   std::vector<BodyState> bodies() const override { return record_.bodies; }
   LiquidRecord record() const override { return record_; }
-  bool can_be_asked() const override { return true; }  // what is known is here
+  /// After an error in a step of the surfaces for the particles alone, without what else a record has.
+  bool can_be_asked() const override { return record_.particles.particles.size() > 0; }
   LiquidStep step(double until, bool last) override;
   bool can_be_saved() const override { return !saved_.empty(); }
   void write_state(StateWriter& archive) override;
@@ -41,7 +42,7 @@ class DistantLiquid final : public Liquid {
   bool begun_ = false, restored_ = false;
   double time_ = 0;
   std::size_t steps_ = 0;
-  LiquidRecord record_;  // of the last frame, or of a failure
+  LiquidRecord record_;  // of this time; between frames only particles
   std::string saved_;    // the state at time_, where it is known
 };
 

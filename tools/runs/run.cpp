@@ -50,7 +50,7 @@ RunSettings settings_for(const RunOptions& begun_with, const std::string& hash, 
 }
 
 /// Whether the first of several ranks has the surfaces and nothing of the liquid: where that is foreseen to
-/// be quicker. On all ranks, and for any number of threads, the same.
+/// be quicker. For any number of threads the same.
 bool surfaces_apart(const PreparedScene& prepared, const RunOptions& options) {
   if (options.ranks == nullptr) return false;
   const SceneEstimate cost = estimate(prepared, 1);
@@ -76,11 +76,12 @@ int ranks_of(const RunOptions& options) {
   return options.ranks != nullptr ? options.ranks->size() : 1;
 }
 
-/// Of the liquid, what this rank's machine holds.
-double share_of_machine(const PreparedScene& prepared, const RunOptions& options) {
-  if (options.ranks == nullptr) return 1;
-  const int apart = surfaces_apart(prepared, options) ? 1 : 0;
-  return static_cast<double>(options.ranks->on_this_machine() - apart) / (options.ranks->size() - apart);
+LiquidPlace place_of_liquid(const PreparedScene& prepared, const RunOptions& options) {
+  if (options.ranks == nullptr) return {};
+  const bool is_apart = surfaces_apart(prepared, options);
+  const int without = is_apart ? 1 : 0;
+  return {static_cast<double>(options.ranks->on_this_machine() - without) / (options.ranks->size() - without),
+          is_apart};
 }
 
 RunSummary begin(const RunOptions& options) {
@@ -93,7 +94,7 @@ RunSummary begin(const RunOptions& options) {
         fmt::format("{}: no velocity method to track with; name one in [surface] methods or by "
                     "--track, \"material\" where only the liquid matters",
                     scene.file.string()));
-  require_memory(prepared, machine_memory(), share_of_machine(prepared, options));
+  require_memory(prepared, machine_memory(), place_of_liquid(prepared, options));
   RunOptions begun_with = options;
   begun_with.scene = fs::absolute(options.scene);  // for whoever resumes it from elsewhere
   RunFolder folder(folder_for(options), scene.surface.methods, options.force);
@@ -133,7 +134,7 @@ RunSummary resume(const RunOptions& options) {
   const Scene scene = prepared.scene;
   if (frame == last_frame_of(scene)) return complete_run(folder.path(), frame);
 
-  require_memory(prepared, machine_memory(), share_of_machine(prepared, options));
+  require_memory(prepared, machine_memory(), place_of_liquid(prepared, options));
   if (options.ranks != nullptr) {  // what the run has saved the first rank alone reads
     options.ranks->announce({RankTask::resume});
     broadcast_state(*options.ranks, begun_with, hash);
@@ -143,8 +144,8 @@ RunSummary resume(const RunOptions& options) {
   const InterruptGuard guard;
   RunDriver driver(frames, folder, settings_for(begun_with, hash, scene), watch);
   driver.restore(frame, saved);
-  folder.write_record(
-      resumed_record(folder.path(), options.command, options.threads, ranks_of(options), frames.time()));
+  folder.write_record(resumed_record(folder.path(), options.command, options.threads,
+                                     {ranks_of(options), frames.liquid_ranks()}, frames.time()));
   return driver.advance(guard);
 }
 
@@ -161,13 +162,11 @@ void follow_run(const RunOptions& options) {
   PreparedScene prepared = options.resume.empty()
                                ? prepare(scene_for(options, load_scene(options.scene)))
                                : resumed_scene(begun_with, hash, options.resume, options.scene);
-  if (ranks.next_order().task == RankTask::end) return;
-  if (!surfaces_apart(prepared, options)) {
-    make_fluid(prepared, &ranks).follow();
-  } else {
-    serve_liquid(std::move(prepared), ranks);
-    ranks.next_order();
-  }
+  const RankTask task = ranks.next_order().task;
+  if (task == RankTask::make) make_fluid(prepared, &ranks).follow();
+  if (task != RankTask::serve) return;
+  serve_liquid(std::move(prepared), ranks);
+  ranks.next_order();  // the end
 }
 
 RunSummary run_scene(const RunOptions& options) {

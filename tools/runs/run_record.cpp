@@ -139,14 +139,15 @@ Json::Value read_record(const std::filesystem::path& folder) {
 }
 
 std::string resumed_record(const std::filesystem::path& folder, const std::vector<std::string>& command,
-                           int threads, int ranks, double time) {
+                           int threads, RankCounts ranks, double time) {
   Json::Value record = read_record(folder), resumed;
   resumed["version"] = kVersion;
   resumed["build"] = build_description();
   resumed["started"] = time_now();
   resumed["command"] = list(command);
   resumed["threads"] = threads;
-  resumed["ranks"] = ranks;
+  resumed["ranks"] = ranks.all;
+  resumed["liquid_ranks"] = ranks.liquid;
   resumed["time"] = time;
   record["resumed"].append(resumed);
   return record_text(record);

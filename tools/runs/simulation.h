@@ -37,7 +37,8 @@ class Simulation {
   /// With a solver of its own.
   explicit Simulation(PreparedScene prepared);
 
-  /// Called after every step of the liquid; returns whether to go on.
+  /// Called after every step of the liquid, or, where that is of other processes, of the surfaces; returns
+  /// whether to go on. There it takes one more step.
   using Watch = std::function<bool(const FluidStep&)>;
 
   /// Advances liquid and surfaces to `time` [s], where every vertex has a source. Returns false when `watch`

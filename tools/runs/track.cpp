@@ -108,7 +108,7 @@ RunSummary resume(const TrackOptions& options) {
   const std::unique_ptr<FrameSource> frames = first_frame(*input, begun);
   RunDriver driver(*frames, folder, settings_for(begun, *input), watch);
   driver.restore(frame, saved);
-  folder.write_record(resumed_record(folder.path(), options.command, options.threads, 1, frames->time()));
+  folder.write_record(resumed_record(folder.path(), options.command, options.threads, {}, frames->time()));
   return driver.advance(guard);
 }
 
