@@ -40,25 +40,7 @@ void take(std::span<const std::byte>& bytes, std::size_t count, std::vector<T>& 
 }  // namespace
 
 std::size_t Halo::bytes() const {
-  return grid_.bytes() + bytes_of(index_, slot_, outbox_, inbox_);
-}
-
-/// What each rank has packed for this one, for what this one has packed for each.
-Halo::Packages Halo::swapped(Packages sent) const {
-  std::vector<std::size_t> sizes(sent.size());
-  std::ranges::transform(sent, sizes.begin(), &std::vector<std::byte>::size);
-  const std::size_t n = sizes.size(), own = static_cast<std::size_t>(ranks_.rank());
-  const std::vector<std::size_t> all =
-      ranks_.gathered(std::span<const std::size_t>(sizes), std::vector<std::size_t>(n, n));
-  Packages received(n);
-  std::vector<Parcel> out, in;
-  for (std::size_t r = 0; r < n; ++r) {
-    received[r].resize(all[r * n + own]);
-    if (!sent[r].empty()) out.push_back({static_cast<int>(r), sent[r]});
-    if (!received[r].empty()) in.push_back({static_cast<int>(r), received[r]});
-  }
-  ranks_.exchange(out, in);
-  return received;
+  return grid_.bytes() + plan_.bytes() + exchange_.bytes();
 }
 
 void Halo::migrate(FluidParticles& particles) {
@@ -70,14 +52,14 @@ void Halo::migrate(FluidParticles& particles) {
   for (std::uint32_t i = 0; i < n; ++i) leaving[static_cast<std::size_t>(owner[i])].push_back(i);
   std::vector<std::uint32_t> kept;
   kept.swap(leaving[static_cast<std::size_t>(ranks_.rank())]);
-  Packages packages(leaving.size());
+  std::vector<std::vector<std::byte>> packages(leaving.size());  // one a rank
   std::size_t width = 0;
   FluidParticles::for_state(heat_, [&](auto member) {
     const auto& array = particles.*member;
     width += sizeof(array[0]);
     for (std::size_t r = 0; r < packages.size(); ++r) append(packages[r], array, leaving[r]);
   });
-  packages = swapped(std::move(packages));
+  packages = swapped(ranks_, std::move(packages));
   if (kept.size() < n) particles.keep(kept);
   for (const std::vector<std::byte>& package : packages) {
     std::span<const std::byte> left(package);
@@ -91,7 +73,7 @@ void Halo::migrate(FluidParticles& particles) {
   total_ = std::accumulate(counts_.begin(), counts_.end(), std::size_t{0});
 }
 
-/// Fills index_: a particle goes to every rank that owns a cell within the support of it.
+/// Fills plan_.sent: a particle goes to every rank that owns a cell within the support of it.
 void Halo::find_sent(const FluidParticles& particles) {
   struct Sent {
     std::uint32_t particle;
@@ -139,48 +121,32 @@ void Halo::find_sent(const FluidParticles& particles) {
   std::vector<std::vector<std::uint32_t>> to(static_cast<std::size_t>(ranks_.size()));
   for (const std::vector<Sent>& sent : found)
     for (const Sent& s : sent) to[static_cast<std::size_t>(s.rank)].push_back(s.particle);
-  index_.clear();
-  first_sent_.assign(1, 0);
-  for (const std::vector<std::uint32_t>& particles_to : to) {
-    index_.insert(index_.end(), particles_to.begin(), particles_to.end());
-    first_sent_.push_back(index_.size());
-  }
+  plan_.sent.clear();
+  for (std::size_t r = 0; r < to.size(); ++r) plan_.sent.add(static_cast<int>(r), to[r]);
 }
 
 void Halo::find_ghosts(FluidParticles& particles) {
   find_sent(particles);
-  const std::size_t n = static_cast<std::size_t>(ranks_.size()),
-                    own = static_cast<std::size_t>(ranks_.rank());
-  std::vector<std::size_t> counts(n);
-  for (std::size_t r = 0; r < n; ++r) counts[r] = first_sent_[r + 1] - first_sent_[r];
-  const std::vector<std::size_t> all =
-      ranks_.gathered(std::span<const std::size_t>(counts), std::vector<std::size_t>(n, n));
-  first_received_.assign(1, 0);
-  for (std::size_t r = 0; r < n; ++r) first_received_.push_back(first_received_.back() + all[r * n + own]);
+  std::vector<std::size_t> counts(static_cast<std::size_t>(ranks_.size()), 0);
+  plan_.sent.for_parts([&](int rank, std::span<const std::uint32_t> of_rank) {
+    counts[static_cast<std::size_t>(rank)] = of_rank.size();
+  });
+  counts = swapped_counts(ranks_, counts);
   // First as they come, then in the order of a grid of their own.
-  slot_.resize(first_received_.back());
-  std::iota(slot_.begin(), slot_.end(), 0u);
+  RankIndices& ghosts = plan_.received;
+  ghosts.clear();
+  std::vector<std::uint32_t> of_rank;
+  for (std::size_t r = 0; r < counts.size(); ++r) {
+    of_rank.resize(counts[r]);
+    std::iota(of_rank.begin(), of_rank.end(), static_cast<std::uint32_t>(ghosts.index.size()));
+    ghosts.add(static_cast<int>(r), of_rank);
+  }
   share(particles.position);
   grid_.build(std::span<const Vec4f>(particles.position).subspan(own_), static_cast<double>(2 * spacing_));
-  for (std::uint32_t k = 0; k < slot_.size(); ++k) slot_[grid_.order()[k]] = k;
+  for (std::uint32_t k = 0; k < ghost_count(); ++k) ghosts.index[grid_.order()[k]] = k;
   share(particles.position);
   share(particles.fluid);
   share(particles.led_by);
-}
-
-/// Sends index_ and receives the ghosts, so many bytes each.
-void Halo::transfer(std::size_t width) {
-  std::vector<Parcel> out, in;
-  const auto add = [&](std::vector<Parcel>& parcels, std::vector<std::byte>& box,
-                       const std::vector<std::size_t>& first) {
-    for (std::size_t r = 0; r + 1 < first.size(); ++r)
-      if (first[r] != first[r + 1])
-        parcels.push_back({static_cast<int>(r),
-                           std::span(box).subspan(first[r] * width, (first[r + 1] - first[r]) * width)});
-  };
-  add(out, outbox_, first_sent_);
-  add(in, inbox_, first_received_);
-  ranks_.exchange(out, in);
 }
 
 void Halo::collect(const FluidParticles& particles, bool motion, FluidParticles& whole) const {

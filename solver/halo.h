@@ -10,7 +10,7 @@
 #include "core/parallel.h"
 #include "solver/fluid_particles.h"
 #include "solver/liquid_cut.h"
-#include "solver/ranks.h"
+#include "solver/rank_exchange.h"
 
 namespace kappaflow {
 
@@ -29,12 +29,12 @@ class Halo {
  public:
   /// heat: whether particles have temperatures.
   Halo(Ranks& ranks, double spacing, bool heat)
-      : ranks_(ranks), cut_(spacing), spacing_(static_cast<float>(spacing)), heat_(heat) {}
+      : ranks_(ranks), cut_(spacing), spacing_(static_cast<float>(spacing)), heat_(heat), exchange_(ranks) {}
 
   Ranks& ranks() const { return ranks_; }
   const LiquidCut& cut() const { return cut_; }
   std::size_t total() const { return total_; }  ///< particles of all ranks
-  std::size_t ghost_count() const { return slot_.size(); }
+  std::size_t ghost_count() const { return plan_.received.index.size(); }
   const CellGrid& ghosts() const { return grid_; }  ///< in its order they stand behind the own particles
 
   /// Cuts the liquid anew and brings every particle to its rank. Precondition: no ghosts.
@@ -49,7 +49,7 @@ class Halo {
   template <class T>
   void share(std::vector<T>& values) {
     const std::size_t own = own_;
-    resize_closely(values, own + slot_.size());
+    resize_closely(values, own + ghost_count());
     exchange<T>([&](std::size_t i) -> const T& { return values[i]; },
                 [&](std::size_t ghost, const T& value) { values[own + ghost] = value; });
   }
@@ -62,20 +62,11 @@ class Halo {
   std::size_t bytes() const;
 
  private:
-  using Packages = std::vector<std::vector<std::byte>>;  // one a rank
-
-  Packages swapped(Packages sent) const;
   void find_sent(const FluidParticles& particles);
-  void transfer(std::size_t width);
   template <class T, class Read, class Write>
   void exchange(const Read& read, const Write& write) {
-    outbox_.resize(index_.size() * sizeof(T));
-    inbox_.resize(slot_.size() * sizeof(T));
-    T* const out = reinterpret_cast<T*>(outbox_.data());
-    parallel_for(index_.size(), [&](std::size_t k) { out[k] = read(index_[k]); });
-    transfer(sizeof(T));
-    const T* const in = reinterpret_cast<const T*>(inbox_.data());
-    parallel_for(slot_.size(), [&](std::size_t k) { write(slot_[k], in[k]); });
+    const std::span<const T> in = exchange_.swap<T>(plan_.sent, plan_.received, read);
+    parallel_for(in.size(), [&](std::size_t k) { write(plan_.received.index[k], in[k]); });
   }
 
   Ranks& ranks_;
@@ -85,11 +76,8 @@ class Halo {
   std::vector<std::size_t> counts_;
   std::size_t total_ = 0, own_ = 0;
   CellGrid grid_;
-  std::vector<std::uint32_t> index_;         // own particles that are ghosts elsewhere, rank by rank
-  std::vector<std::size_t> first_sent_;      // where each rank's begin, and the end
-  std::vector<std::uint32_t> slot_;          // of each ghost, as they come
-  std::vector<std::size_t> first_received_;  // likewise
-  std::vector<std::byte> outbox_, inbox_;
+  ExchangePlan plan_;  // from own particles that are ghosts elsewhere to the ghosts here
+  RankExchange exchange_;
 };
 
 /// Fills the ghosts' entries, where there are any.
