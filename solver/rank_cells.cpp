@@ -2,29 +2,130 @@
 
 #include <algorithm>
 
+#include "solver/rigid_level.h"
+
 namespace kappaflow {
 namespace {
 
-template <class T>
-void append(std::vector<std::byte>& bytes, std::span<const T> values) {
-  const auto own = std::as_bytes(values);
-  bytes.insert(bytes.end(), own.begin(), own.end());
+// Of a rank's finest cells a level is whole that has no more than one in so many: what all ranks do alike is
+// then little beside what is their own, and spares them messages.
+constexpr std::size_t kLessThanShare = 2;
+
+/// Whether test(place) is true for one of the 26 places around.
+template <class Test>
+bool any_touching(const LiquidCut::Place& place, const Test& test) {
+  for (std::int64_t z = place[2] - 1; z <= place[2] + 1; ++z)
+    for (std::int64_t y = place[1] - 1; y <= place[1] + 1; ++y)
+      for (std::int64_t x = place[0] - 1; x <= place[0] + 1; ++x) {
+        const LiquidCut::Place other{x, y, z};
+        if (RigidLevel::has_key(other) && other != place && test(other)) return true;
+      }
+  return false;
 }
 
-/// Takes a value from the front of what is left.
 template <class T>
-T take(std::span<const std::byte>& bytes) {
-  T value;
-  std::memcpy(static_cast<void*>(&value), bytes.data(), sizeof(T));
-  bytes = bytes.subspan(sizeof(T));
-  return value;
+void sort_unique(std::vector<T>& values) {
+  std::ranges::sort(values);
+  values.erase(std::unique(values.begin(), values.end()), values.end());  // not as a range, for clang 14
+}
+
+/// Those at which `flags` is set.
+std::vector<std::uint64_t> flagged(const std::vector<std::uint64_t>& keys, const std::vector<char>& flags) {
+  std::vector<std::uint64_t> result;
+  for (std::size_t k = 0; k < keys.size(); ++k)
+    if (flags[k] != 0) result.push_back(keys[k]);
+  return result;
 }
 
 }  // namespace
 
-void RankCells::merge(std::vector<std::uint64_t>& keys) {
-  const std::vector<std::size_t> counts = ranks_->one_of_each(keys.size());
-  const std::vector<std::uint64_t> all = ranks_->gathered(std::span<const std::uint64_t>(keys), counts);
+std::size_t RankCells::bytes() const {
+  std::size_t sum = exchange_.bytes() + border_.bytes() + border_links_.bytes() +
+                    bytes_of(owner_, cells_, first_, outbox_, inbox_);
+  for (const ExchangePlan& plan : border_of_colour_) sum += plan.bytes();
+  return sum;
+}
+
+RankCells RankCells::coarser() const {
+  RankCells result(ranks(), *cut_);
+  result.first_place_ = first_place_;
+  result.doublings_ = doublings_ + 1;
+  result.most_of_whole_ = doublings_ == 0 ? total_ / (kLessThanShare * size()) : most_of_whole_;
+  return result;
+}
+
+/// Of the cell at a place of this level.
+int RankCells::owner_of(const LiquidCut::Place& place) const {
+  LiquidCut::Place corner = first_place_;
+  for (std::size_t a = 0; a < 3; ++a) corner[a] += place[a] << doublings_;
+  return cut_->owner_of(corner);
+}
+
+std::vector<int> RankCells::owners_of(const Keys& keys) const {
+  std::vector<int> owners(keys.size());
+  parallel_for(keys.size(), [&](std::size_t k) { owners[k] = owner_of(RigidLevel::place_of(keys[k])); });
+  return owners;
+}
+
+void RankCells::list(Keys& keys) {
+  listed_.assign(size(), {});
+  const std::vector<int> owners = owners_of(keys);
+  for (std::size_t k = 0; k < keys.size(); ++k)
+    listed_[static_cast<std::size_t>(owners[k])].push_back(keys[k]);
+  Keys own;
+  own.swap(listed_[rank()]);
+  listing_ = swapped(ranks(), listed_);
+  for (const Keys& of_rank : listing_) own.insert(own.end(), of_rank.begin(), of_rank.end());
+  sort_unique(own);
+  const std::vector<std::size_t> counts = ranks().one_of_each(own.size());
+  total_ = std::accumulate(counts.begin(), counts.end(), std::size_t{0});
+  whole_ = total_ <= most_of_whole_;
+  if (whole_) return list_all(own, counts, keys);
+  list_touching(own);
+  keys = own;
+  for (const Keys& of_rank : listed_) keys.insert(keys.end(), of_rank.begin(), of_rank.end());
+  std::ranges::sort(keys);
+  owner_ = owners_of(keys);
+}
+
+/// Adds to listed_ what touches these cells. A rank sends its cells to the owners of all places beside them:
+/// these know which of them touch a cell.
+void RankCells::list_touching(const Keys& own) {
+  const std::vector<Keys> beside = swapped(ranks(), beside_others(own));
+  const auto is_own = [&](const LiquidCut::Place& place) {
+    return std::ranges::binary_search(own, RigidLevel::key_of(place));
+  };
+  for (std::size_t r = 0; r < beside.size(); ++r) {
+    std::vector<char> touches(beside[r].size());
+    parallel_for(touches.size(), [&](std::size_t k) {
+      touches[k] = any_touching(RigidLevel::place_of(beside[r][k]), is_own) ? 1 : 0;
+    });
+    const Keys touching = flagged(beside[r], touches);
+    listed_[r].insert(listed_[r].end(), touching.begin(), touching.end());
+    sort_unique(listed_[r]);
+  }
+}
+
+/// Those of these cells that touch places of each other rank.
+std::vector<RankCells::Keys> RankCells::beside_others(const Keys& own) const {
+  std::vector<char> at_border(own.size());
+  parallel_for(own.size(), [&](std::size_t k) {
+    const auto is_other = [&](const LiquidCut::Place& place) { return owner_of(place) != ranks().rank(); };
+    at_border[k] = any_touching(RigidLevel::place_of(own[k]), is_other) ? 1 : 0;
+  });
+  std::vector<Keys> result(size());
+  for (const std::uint64_t key : flagged(own, at_border))
+    any_touching(RigidLevel::place_of(key), [&](const LiquidCut::Place& place) {
+      const std::size_t owner = static_cast<std::size_t>(owner_of(place));
+      Keys& of_rank = result[owner];
+      if (owner != rank() && (of_rank.empty() || of_rank.back() != key)) of_rank.push_back(key);
+      return false;
+    });
+  return result;
+}
+
+void RankCells::list_all(const Keys& own, std::span<const std::size_t> counts, Keys& keys) {
+  const Keys all = ranks().gathered(std::span<const std::uint64_t>(own), counts);
   keys = all;
   std::ranges::sort(keys);
   cells_.clear();
@@ -32,142 +133,73 @@ void RankCells::merge(std::vector<std::uint64_t>& keys) {
     cells_.push_back(static_cast<std::uint32_t>(std::ranges::lower_bound(keys, key) - keys.begin()));
   first_.assign(1, 0);
   for (const std::size_t count : counts) first_.push_back(first_.back() + count);
-  owner_.resize(keys.size());
-  for (std::size_t r = 0; r < counts.size(); ++r)
-    for (const std::uint32_t cell : cells_of(r)) owner_[cell] = static_cast<int>(r);
 }
 
 void RankCells::find_borders(const RigidLevel& level) {
-  const int own = ranks_->rank();
-  known_.assign(owner_.size(), 0);
-  for (const std::uint32_t cell : cells_of(static_cast<std::size_t>(own))) known_[cell] = 1;
-  borders_.clear();
-  const auto border_with = [&](int rank) -> Border& {
-    const auto at = std::ranges::find(borders_, rank, &Border::rank);
-    if (at != borders_.end()) return *at;
-    borders_.emplace_back().rank = rank;
-    return borders_.back();
-  };
+  std::vector<std::vector<std::uint32_t>> sent(size()), received(size()), links_sent(size()),
+      links_received(size());
+  for (std::size_t r = 0; r < size(); ++r) {
+    for (const std::uint64_t key : listing_[r]) sent[r].push_back(level.find(key));
+    for (const std::uint64_t key : listed_[r]) received[r].push_back(level.find(key));
+  }
   for (std::uint32_t k = 0; k < level.links.size(); ++k) {
     const auto [from, to] = level.links[k];
     if (owns(from) == owns(to)) continue;  // of no concern, or not across a border
     const std::uint32_t inside = owns(from) ? from : to, outside = owns(from) ? to : from;
-    Border& border = border_with(owner_[outside]);
-    border.sent.push_back(inside);
-    border.received.push_back(outside);
-    (owns(from) ? border.links_sent : border.links_received).push_back(k);
-    known_[outside] = 1;
+    const std::size_t other = static_cast<std::size_t>(owner_[outside]);
+    sent[other].push_back(inside);
+    (owns(from) ? links_sent : links_received)[other].push_back(k);
   }
-  std::ranges::sort(borders_, {}, &Border::rank);
-  const auto in_order = [&](std::vector<std::uint32_t>& cells, auto& first) {
-    std::ranges::sort(cells, {}, [&](std::uint32_t cell) { return std::pair(level.colour(cell), cell); });
-    cells.erase(std::unique(cells.begin(), cells.end()), cells.end());  // not as a range, for clang 14
-    first.fill(0);
-    for (const std::uint32_t cell : cells) ++first[level.colour(cell) + 1];
-    std::partial_sum(first.begin(), first.end(), first.begin());
+  border_ = border_links_ = {};
+  border_of_colour_.assign(RigidLevel::kColours, {});
+  const auto add = [&](std::size_t r, auto side, const std::vector<std::uint32_t>& cells) {
+    (border_.*side).add(static_cast<int>(r), cells);
+    std::vector<std::vector<std::uint32_t>> of_colour(RigidLevel::kColours);
+    for (const std::uint32_t cell : cells) of_colour[level.colour(cell)].push_back(cell);
+    for (std::size_t c = 0; c < of_colour.size(); ++c)
+      (border_of_colour_[c].*side).add(static_cast<int>(r), of_colour[c]);
   };
-  for (Border& border : borders_) {
-    in_order(border.sent, border.first_sent);
-    in_order(border.received, border.first_received);
+  for (std::size_t r = 0; r < size(); ++r) {
+    sort_unique(sent[r]);
+    add(r, &ExchangePlan::sent, sent[r]);
+    add(r, &ExchangePlan::received, received[r]);
+    border_links_.sent.add(static_cast<int>(r), links_sent[r]);
+    border_links_.received.add(static_cast<int>(r), links_received[r]);
   }
+  listed_.clear();
+  listing_.clear();
 }
 
-/// Of each border the values that are sent and those that are received.
-template <class T, class Parts>
-void RankCells::swap(std::vector<T>& values, const Parts& parts_of) {
-  std::vector<Parcel> out, in;
-  std::size_t sent_size = 0, received_size = 0;
-  for (const Border& border : borders_) {
-    const auto [sent, received] = parts_of(border);
-    sent_size += sizeof(T) * sent.size();
-    received_size += sizeof(T) * received.size();
-  }
-  outbox_.resize(sent_size);
-  inbox_.resize(received_size);
-  std::byte *to = outbox_.data(), *from = inbox_.data();
-  for (const Border& border : borders_) {
-    const auto [sent, received] = parts_of(border);
-    if (!sent.empty()) out.push_back({border.rank, {to, sizeof(T) * sent.size()}});
-    if (!received.empty()) in.push_back({border.rank, {from, sizeof(T) * received.size()}});
-    from += sizeof(T) * received.size();
-    for (const std::uint32_t k : sent) {
-      std::memcpy(to, static_cast<const void*>(&values[k]), sizeof(T));
-      to += sizeof(T);
-    }
-  }
-  ranks_->exchange(out, in);
-  std::span<const std::byte> left(inbox_);
-  for (const Border& border : borders_)
-    for (const std::uint32_t k : parts_of(border).second) values[k] = take<T>(left);
-}
-
-void RankCells::exchange(std::uint64_t colour, std::vector<RigidVector>& motion) {
-  swap(motion, [colour](const Border& border) {
-    const auto of_colour = [colour](const std::vector<std::uint32_t>& cells, const auto& first) {
-      return std::span(cells).subspan(first[colour], first[colour + 1] - first[colour]);
+void RankCells::add_up_matrices(RigidLevel& level) {
+  /// A link's coupling, or a cell's anchor: then from == to.
+  struct Part {
+    std::uint64_t from = 0, to = 0;
+    RigidMatrix matrix;
+  };
+  std::vector<std::vector<Part>> parts(size());
+  border_.received.for_parts([&](int owner, std::span<const std::uint32_t> cells) {
+    const auto add = [&](std::uint32_t from, std::uint32_t to, const RigidMatrix& matrix) {
+      if (!rigid::resists(matrix)) return;
+      parts[static_cast<std::size_t>(owner)].push_back({level.key[from], level.key[to], matrix});
     };
-    return std::pair(of_colour(border.sent, border.first_sent),
-                     of_colour(border.received, border.first_received));
+    for (const std::uint32_t cell : cells) {
+      add(cell, cell, level.anchor[cell]);
+      for (std::uint32_t k = level.first_link[cell]; k < level.first_link[cell + 1]; ++k)
+        add(cell, level.links[k].to, level.coupling[k]);
+    }
   });
-}
-
-void RankCells::exchange_links(std::vector<RigidMatrix>& coupling) {
-  swap(coupling, [](const Border& border) {
-    return std::pair(std::span(border.links_sent), std::span(border.links_received));
+  for (const std::vector<Part>& of_rank : swapped(ranks(), std::move(parts)))
+    for (const Part& part : of_rank) {
+      const std::uint32_t from = level.find(part.from), to = level.find(part.to);
+      if (from == to) level.anchor[from] += part.matrix;
+      for (std::uint32_t k = level.first_link[from]; k < level.first_link[from + 1]; ++k)
+        if (level.links[k].to == to) level.coupling[k] += part.matrix;
+    }
+  if (!whole_) return;
+  complete(level.anchor);
+  complete_ranges(level.coupling, [&](std::uint32_t cell) {
+    return std::pair(level.first_link[cell], level.first_link[cell + 1]);
   });
-}
-
-void RankCells::add_up(const RigidLevel& level, std::span<const std::uint32_t> parent, RigidLevel& coarser) {
-  parents_.clear();
-  first_parent_.assign(1, 0);
-  for (std::size_t r = 0; r + 1 < first_.size(); ++r) {
-    for (const std::uint32_t cell : cells_of(r))
-      if (parents_.size() == first_parent_.back() || parents_.back() != parent[cell])
-        parents_.push_back(parent[cell]);
-    first_parent_.push_back(parents_.size());
-  }
-
-  std::vector<char> touched(coarser.cells(), 0);
-  for (const std::uint32_t cell : cells_of(static_cast<std::size_t>(ranks_->rank()))) {
-    touched[parent[cell]] = 1;
-    for (std::uint32_t k = level.first_link[cell]; k < level.first_link[cell + 1]; ++k)
-      touched[parent[level.links[k].to]] = 1;
-  }
-  const auto links_of = [&](std::uint32_t cell) {
-    const std::uint32_t begin = coarser.first_link[cell];
-    return std::span(coarser.coupling).subspan(begin, coarser.first_link[cell + 1] - begin);
-  };
-  std::vector<std::byte> own;
-  for (std::uint32_t cell = 0; cell < coarser.cells(); ++cell) {
-    if (touched[cell] == 0) continue;
-    append(own, std::span<const std::uint32_t>(&cell, 1));
-    append(own, std::span<const RigidMatrix>(&coarser.anchor[cell], 1));
-    append(own, std::span<const RigidMatrix>(links_of(cell)));
-  }
-  const std::vector<std::byte> all = ranks_->gathered(own);
-  std::ranges::fill(coarser.anchor, RigidMatrix());
-  std::ranges::fill(coarser.coupling, RigidMatrix());
-  for (std::span<const std::byte> left(all); !left.empty();) {
-    const auto cell = take<std::uint32_t>(left);
-    coarser.anchor[cell] += take<RigidMatrix>(left);
-    for (RigidMatrix& coupling : links_of(cell)) coupling += take<RigidMatrix>(left);
-  }
-}
-
-void RankCells::add_up(std::vector<RigidVector>& load) {
-  const auto parents_of = [this](std::size_t rank) {
-    return std::span(parents_).subspan(first_parent_[rank], first_parent_[rank + 1] - first_parent_[rank]);
-  };
-  std::vector<std::size_t> sizes(first_parent_.size() - 1);
-  for (std::size_t r = 0; r < sizes.size(); ++r) sizes[r] = sizeof(RigidVector) * parents_of(r).size();
-  outbox_.clear();
-  for (const std::uint32_t cell : parents_of(static_cast<std::size_t>(ranks_->rank())))
-    append(outbox_, std::span<const RigidVector>(&load[cell], 1));
-  inbox_.resize(std::accumulate(sizes.begin(), sizes.end(), std::size_t{0}));
-  ranks_->gather(outbox_, sizes, inbox_);
-  std::ranges::fill(load, RigidVector());
-  std::span<const std::byte> left(inbox_);
-  for (const std::uint32_t cell : parents_) load[cell] += take<RigidVector>(left);
 }
 
 }  // namespace kappaflow

@@ -111,9 +111,47 @@ class ParticleBalance {
   const std::vector<Vec4f>& v_;
 };
 
+/// Of the particles of one component's cells about a point.
+class ComponentBalance {
+ public:
+  ComponentBalance(const RigidMultigrid& multigrid, const FluidParticles& particles,
+                   const ParticleBalance& particle)
+      : multigrid_(multigrid), particles_(particles), particle_(particle) {}
+
+  Balance find(std::span<const std::uint32_t> cells, const Vec3& centre) const {
+    const auto balance_of = [&](std::size_t k) {
+      Balance sum;
+      multigrid_.for_particles(cells[k], [&](std::size_t i) {
+        const Vec3 arm = in_double(particles_.position[i]) - centre;
+        particle_.add_to(sum, i, arm);
+        if (multigrid_.any_led()) particle_.add_led(sum, i, arm);
+      });
+      return sum;
+    };
+    return parallel_sum(cells.size(), Balance(), balance_of, kBalanceGrain);
+  }
+
+  /// Adds q.
+  void correct(std::span<const std::uint32_t> cells, const Vec3& centre, const Balance& balance,
+               std::vector<Vec4f>& v) const {
+    const Vector6 q = balance.solve(kLeastInertia * multigrid_.spacing() * multigrid_.spacing());
+    const auto correct_in_cell = [&](std::size_t k) {
+      multigrid_.for_particles(cells[k], [&](std::size_t i) {
+        v[i] += padded(q.head<3>() + q.tail<3>().cross(in_double(particles_.position[i]) - centre));
+      });
+    };
+    parallel_for(cells.size(), correct_in_cell, kBalanceGrain);
+  }
+
+ private:
+  const RigidMultigrid& multigrid_;
+  const FluidParticles& particles_;
+  const ParticleBalance& particle_;
+};
+
 /// Calls work(cells) for the cells of each component, which follow each other in `order`.
 template <class Work>
-void for_components(std::span<const std::uint32_t> order, std::span<const std::uint32_t> component,
+void for_components(std::span<const std::uint32_t> order, std::span<const std::uint64_t> component,
                     const Work& work) {
   for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
     while (end < order.size() && component[order[end]] == component[order[begin]]) ++end;
@@ -121,111 +159,160 @@ void for_components(std::span<const std::uint32_t> order, std::span<const std::u
   }
 }
 
-/// Each component's balance of the particles of all ranks; few components reach over more than one.
-void sum_over_ranks(std::vector<Balance>& balances, Ranks& ranks) {
-  struct Part {
-    std::size_t component;
-    Balance balance;
-  };
-  std::vector<Part> parts;
-  for (std::size_t k = 0; k < balances.size(); ++k)
-    if (balances[k].mass > 0) parts.push_back({k, balances[k]});
-  std::ranges::fill(balances, Balance());
-  for (const Part& part : ranks.gathered(parts))
-    balances[part.component] = balances[part.component] + part.balance;
+/// A component that several ranks may have parts of: the balance of this one's.
+struct JointBalance {
+  std::uint64_t component = 0;
+  Balance balance;
+};
+
+/// From each rank's parts, by ascending components, to the balances of their components.
+void sum_over_ranks(std::vector<JointBalance>& parts, Ranks& ranks) {
+  const std::vector<JointBalance> all = ranks.gathered(parts);
+  for (JointBalance& part : parts) part.balance = Balance();
+  for (const JointBalance& part : all) {
+    const auto own = std::ranges::lower_bound(parts, part.component, {}, &JointBalance::component);
+    if (own != parts.end() && own->component == part.component) own->balance = own->balance + part.balance;
+  }
 }
+
+/// Beyond all keys of cells.
+constexpr std::uint64_t label_of_body(std::size_t body) {
+  return (std::uint64_t{1} << 63) + body;
+}
+
+/// The sets that joints make of components, each known by its least.
+class JoinedSets {
+ public:
+  template <class Joints>
+  explicit JoinedSets(const Joints& joints) {
+    for (const auto& joint : joints) labels_.insert(labels_.end(), {joint.a, joint.b});
+    std::ranges::sort(labels_);
+    labels_.erase(std::unique(labels_.begin(), labels_.end()), labels_.end());
+    above_.resize(labels_.size());
+    std::iota(above_.begin(), above_.end(), std::size_t{0});
+    for (const auto& joint : joints) {
+      const std::size_t a = root(place_of(joint.a)), b = root(place_of(joint.b));
+      above_[std::max(a, b)] = std::min(a, b);
+    }
+    for (std::size_t k = 0; k < above_.size(); ++k) above_[k] = above_[above_[k]];
+  }
+
+  /// Itself if no joint has it.
+  std::uint64_t least_of_set(std::uint64_t component) const {
+    const std::size_t k = place_of(component);
+    return k < labels_.size() && labels_[k] == component ? labels_[above_[k]] : component;
+  }
+  /// The least of each set, ascending.
+  std::vector<std::uint64_t> sets() const {
+    std::vector<std::uint64_t> result;
+    for (std::size_t k = 0; k < labels_.size(); ++k)
+      if (above_[k] == k) result.push_back(labels_[k]);
+    return result;
+  }
+
+ private:
+  std::size_t place_of(std::uint64_t component) const {
+    return static_cast<std::size_t>(std::ranges::lower_bound(labels_, component) - labels_.begin());
+  }
+  std::size_t root(std::size_t k) {
+    while (above_[k] != k) k = above_[k] = above_[above_[k]];
+    return k;
+  }
+
+  std::vector<std::uint64_t> labels_;  // ascending
+  std::vector<std::size_t> above_;     // of each a lesser one of its set, or itself
+};
 
 }  // namespace
 
-/// Liquid that touches the same body becomes one component.
-void MomentumBalance::connect_by_bodies(const RigidMultigrid& multigrid, const ViscousForces& forces,
-                                        const FluidParticles& particles, const BodyDrag& bodies) {
-  component_of_body_.assign(bodies.bodies(), RigidLevel::kNone);
+/// Connected liquid of several ranks, and all that touches the same body, becomes one component.
+void MomentumBalance::join(RigidMultigrid& multigrid, const ViscousForces& forces,
+                           const FluidParticles& particles, const BodyDrag& bodies) {
+  std::vector<Joint> joints;
+  join_by_bodies(multigrid, forces, particles, bodies, joints);
+  if (particles.halo != nullptr) join_over_borders(multigrid, joints);
+  std::ranges::sort(joints);
+  joints.erase(std::unique(joints.begin(), joints.end()), joints.end());
+  if (particles.halo != nullptr) joints = particles.halo->ranks().gathered(joints);
+  const JoinedSets sets(joints);
+  joined_ = sets.sets();
+  parallel_for(component_.size(),
+               [&](std::size_t cell) { component_[cell] = sets.least_of_set(component_[cell]); });
+  component_of_body_.resize(bodies.bodies());
+  for (std::size_t b = 0; b < bodies.bodies(); ++b)
+    component_of_body_[b] = sets.least_of_set(label_of_body(b));
+}
+
+/// A link over a border is one that both ranks know. Each says what the component is called there.
+void MomentumBalance::join_over_borders(RigidMultigrid& multigrid, std::vector<Joint>& joints) {
+  const RigidLevel& level = multigrid.finest();
+  std::vector<std::uint64_t> elsewhere = component_;
+  multigrid.share_values(elsewhere);
+  for (std::size_t k = 0; k < level.links.size(); ++k) {
+    const auto [from, to] = level.links[k];
+    if (level.is_own(from) == level.is_own(to) || !multigrid.is_connected(k)) continue;
+    joints.push_back({component_[from], elsewhere[level.is_own(from) ? to : from]});
+  }
+}
+
+void MomentumBalance::join_by_bodies(const RigidMultigrid& multigrid, const ViscousForces& forces,
+                                     const FluidParticles& particles, const BodyDrag& bodies,
+                                     std::vector<Joint>& joints) {
   if (bodies.bodies() == 0) return;
   cell_.resize(particles.size());
   multigrid.for_cells([&](std::size_t cell) {
     multigrid.for_particles(cell, [&](std::size_t i) { cell_[i] = static_cast<std::uint32_t>(cell); });
   });
-  // What a component has become, by its first cell.
-  std::vector<std::uint32_t> now(component_.size());
-  std::iota(now.begin(), now.end(), 0u);
-  const auto root = [&](std::uint32_t c) {
-    while (now[c] != c) c = now[c];
-    return c;
-  };
-  struct Touch {
-    std::uint32_t body, component;
-    bool operator==(const Touch&) const = default;
-  };
-  std::vector<Touch> touches;
-  for (std::uint32_t b = 0; b < bodies.bodies(); ++b)
+  for (std::size_t b = 0; b < bodies.bodies(); ++b)
     for (const BodyContact& contact : bodies.contacts(b)) {
       if (!forces.act_on(contact.particle, particles)) continue;
-      const Touch touch{b, component_[cell_[contact.particle]]};
-      if (touches.empty() || touches.back() != touch) touches.push_back(touch);
+      const Joint joint{component_[cell_[contact.particle]], label_of_body(b)};
+      if (joints.empty() || joints.back() != joint) joints.push_back(joint);
     }
-  if (particles.halo != nullptr) touches = particles.halo->ranks().gathered(touches);
-  for (const Touch& touch : touches) {
-    const std::uint32_t other = root(touch.component);
-    std::uint32_t& own = component_of_body_[touch.body];
-    own = own == RigidLevel::kNone ? other : root(own);
-    now[std::max(own, other)] = own = std::min(own, other);
-  }
-  for (std::uint32_t& component : component_) component = root(component);
-  for (std::uint32_t& component : component_of_body_)
-    if (component != RigidLevel::kNone) component = root(component);
+}
+
+/// Fills order_.
+void MomentumBalance::sort_cells(const RigidLevel& level) {
+  order_.clear();
+  for (std::uint32_t cell = 0; cell < component_.size(); ++cell)
+    if (level.is_own(cell)) order_.push_back(cell);
+  std::ranges::sort(order_, {}, [this](std::uint32_t cell) { return std::pair(component_[cell], cell); });
 }
 
 void MomentumBalance::restore(RigidMultigrid& multigrid, const ViscousForces& forces,
                               const FluidParticles& particles, const NeighbourLists& lists,
                               const WallSums& walls, const BodyDrag& bodies, float time_step,
                               std::vector<Vec4f>& v) {
-  const ParticleBalance particle(forces, particles, lists, walls, time_step, v);
-  const double inertia = kLeastInertia * multigrid.spacing() * multigrid.spacing();
   multigrid.find_components(component_);
-  connect_by_bodies(multigrid, forces, particles, bodies);
-  order_.resize(component_.size());
-  std::iota(order_.begin(), order_.end(), 0u);
-  std::ranges::sort(order_, {}, [this](std::uint32_t cell) { return std::pair(component_[cell], cell); });
+  join(multigrid, forces, particles, bodies);
+  sort_cells(multigrid.finest());
   if (multigrid.any_led()) fill_ghosts(particles, v);
-  const auto centre_of = [&](std::span<const std::uint32_t> cells) -> Vec3 {
-    return in_double(multigrid.finest().centre[cells.front()]);
-  };
-  const auto find_balance = [&](std::span<const std::uint32_t> cells) {
-    const Vec3 centre = centre_of(cells);
-    const auto balance_of = [&](std::size_t k) {
-      Balance sum;
-      multigrid.for_particles(cells[k], [&](std::size_t i) {
-        const Vec3 arm = in_double(particles.position[i]) - centre;
-        particle.add_to(sum, i, arm);
-        if (multigrid.any_led()) particle.add_led(sum, i, arm);
-      });
-      return sum;
-    };
-    return parallel_sum(cells.size(), Balance(), balance_of, kBalanceGrain);
-  };
+  std::vector<Matrix6> yielding(bodies.bodies(), Matrix6::Zero());
+  for (std::size_t b = 0; b < bodies.bodies(); ++b)
+    if (component_of_body_[b] != label_of_body(b))
+      yielding[b] = bodies.yielding(b, multigrid.point_of(component_of_body_[b]));
+
+  const ParticleBalance particle(forces, particles, lists, walls, time_step, v);
+  const ComponentBalance of_component(multigrid, particles, particle);
   const auto correct = [&](std::span<const std::uint32_t> cells, Balance balance) {
-    const Vec3 centre = centre_of(cells);
+    const std::uint64_t component = component_[cells.front()];
     for (std::size_t b = 0; b < bodies.bodies(); ++b)
-      if (component_of_body_[b] == component_[cells.front()])
-        balance.resistance -= bodies.yielding(b, centre);
-    const Vector6 q = balance.solve(inertia);
-    const auto correct_in_cell = [&](std::size_t k) {
-      multigrid.for_particles(cells[k], [&](std::size_t i) {
-        v[i] += padded(q.head<3>() + q.tail<3>().cross(in_double(particles.position[i]) - centre));
-      });
-    };
-    parallel_for(cells.size(), correct_in_cell, kBalanceGrain);
+      if (component_of_body_[b] == component) balance.resistance -= yielding[b];
+    of_component.correct(cells, multigrid.point_of(component), balance, v);
   };
-  if (particles.halo == nullptr) {
-    for_components(order_, component_, [&](const auto& cells) { correct(cells, find_balance(cells)); });
-    return;
-  }
-  std::vector<Balance> balances;
-  for_components(order_, component_, [&](const auto& cells) { balances.push_back(find_balance(cells)); });
-  sum_over_ranks(balances, particles.halo->ranks());
-  auto balance = balances.begin();
-  for_components(order_, component_, [&](const auto& cells) { correct(cells, *balance++); });
+  // Of components that are this rank's alone no other needs to know.
+  std::vector<std::span<const std::uint32_t>> joint;
+  std::vector<JointBalance> balances;
+  for_components(order_, component_, [&](std::span<const std::uint32_t> cells) {
+    const std::uint64_t component = component_[cells.front()];
+    const Balance own = of_component.find(cells, multigrid.point_of(component));
+    if (particles.halo == nullptr || !std::ranges::binary_search(joined_, component))
+      return correct(cells, own);
+    joint.push_back(cells);
+    balances.push_back({component, own});
+  });
+  if (particles.halo != nullptr) sum_over_ranks(balances, particles.halo->ranks());
+  for (std::size_t k = 0; k < joint.size(); ++k) correct(joint[k], balances[k].balance);
 }
 
 }  // namespace kappaflow

@@ -1,6 +1,7 @@
 // Momentum that no error of a viscous solve can change.
 #pragma once
 
+#include <compare>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -24,17 +25,28 @@ class MomentumBalance {
                const NeighbourLists& lists, const WallSums& walls, const BodyDrag& bodies, float time_step,
                std::vector<Vec4f>& v);
 
-  std::size_t bytes() const { return bytes_of(component_, order_, cell_, component_of_body_); }
+  std::size_t bytes() const { return bytes_of(component_, order_, joined_, cell_, component_of_body_); }
 
  private:
-  void connect_by_bodies(const RigidMultigrid& multigrid, const ViscousForces& forces,
-                         const FluidParticles& particles, const BodyDrag& bodies);
+  /// Two components that are parts of one. A body counts as a component that has no cells.
+  struct Joint {
+    std::uint64_t a = 0, b = 0;
+    auto operator<=>(const Joint&) const = default;
+  };
 
-  std::vector<std::uint32_t> component_;  // of each cell
-  std::vector<std::uint32_t> order_;      // the cells, component by component
+  void join(RigidMultigrid& multigrid, const ViscousForces& forces, const FluidParticles& particles,
+            const BodyDrag& bodies);
+  void join_over_borders(RigidMultigrid& multigrid, std::vector<Joint>& joints);
+  void join_by_bodies(const RigidMultigrid& multigrid, const ViscousForces& forces,
+                      const FluidParticles& particles, const BodyDrag& bodies, std::vector<Joint>& joints);
+  void sort_cells(const RigidLevel& level);
+
+  std::vector<std::uint64_t> component_;  // of each cell: the key of its first cell
+  std::vector<std::uint32_t> order_;      // this rank's cells, component by component
+  std::vector<std::uint64_t> joined_;     // components that have become one with others, ascending
   // Where there are rigid bodies:
   std::vector<std::uint32_t> cell_;               // of each particle
-  std::vector<std::uint32_t> component_of_body_;  // kNone: it touches none
+  std::vector<std::uint64_t> component_of_body_;  // itself: it touches none
 };
 
 }  // namespace kappaflow

@@ -6,7 +6,6 @@
 
 #include "core/bytes.h"
 #include "core/parallel.h"
-#include "solver/rank_cells.h"
 
 namespace kappaflow {
 namespace {
@@ -36,11 +35,6 @@ std::int64_t gathered(std::uint64_t bits) {
   bits = (bits | bits >> 8) & 0x1f0000ff0000ff;
   bits = (bits | bits >> 16) & 0x1f00000000ffff;
   return static_cast<std::int64_t>((bits | bits >> 32) & static_cast<std::uint64_t>(kLastPlace));
-}
-
-std::uint32_t find(std::span<const std::uint64_t> keys, std::uint64_t key) {
-  const auto at = std::ranges::lower_bound(keys, key);
-  return at != keys.end() && *at == key ? static_cast<std::uint32_t>(at - keys.begin()) : RigidLevel::kNone;
 }
 
 /// The k-th of the thirteen neighbours that come after a place.
@@ -91,20 +85,31 @@ std::array<std::int64_t, 3> RigidLevel::place_of(std::uint64_t key) {
 
 std::size_t RigidLevel::bytes() const {
   return bytes_of(key, centre, first_link, links, coupling, anchor, load, motion, parent_, first_child_,
-                  first_in_row_, row_, first_of_colour_, coloured_, end_, inverse_);
+                  first_in_row_, row_, first_of_colour_, coloured_, end_, inverse_) +
+         (ranks_ ? ranks_->bytes() : 0);
 }
 
-bool RigidLevel::is_own(std::size_t cell) const {
-  return ranks_ == nullptr || ranks_->owns(cell);
+bool RigidLevel::has_key(const std::array<std::int64_t, 3>& place) {
+  return std::ranges::all_of(place, [](std::int64_t c) { return c >= 0 && c <= kLastPlace; });
 }
 
-void RigidLevel::reset(RankCells* ranks) {
-  ranks_ = ranks;
+std::uint32_t RigidLevel::find(std::uint64_t key_of_cell) const {
+  const auto at = std::ranges::lower_bound(key, key_of_cell);
+  return at != key.end() && *at == key_of_cell ? static_cast<std::uint32_t>(at - key.begin()) : kNone;
+}
+
+void RigidLevel::share_among(Ranks& ranks, const LiquidCut& cut, const LiquidCut::Place& first_place) {
+  if (!ranks_) ranks_.emplace(ranks, cut);
+  ranks_->set_first_place(first_place);
+  ranks_->list(key);
+}
+
+void RigidLevel::reset() {
   link_cells();
   find_rows();
   find_colours();
   centre.resize(cells());
-  if (ranks_ != nullptr) ranks_->find_borders(*this);
+  if (ranks_) ranks_->find_borders(*this);
 }
 
 void RigidLevel::make_room() {
@@ -121,9 +126,7 @@ void RigidLevel::link_cells() {
     const auto place = place_of(key[cell]);
     for (std::size_t k = 0; k < kNeighboursAfter; ++k) {
       const auto other = neighbour_after(place, static_cast<int>(k));
-      const bool exists =
-          std::ranges::all_of(other, [](std::int64_t c) { return c >= 0 && c <= kLastPlace; });
-      after[kNeighboursAfter * cell + k] = exists ? find(key, key_of(other)) : kNone;
+      after[kNeighboursAfter * cell + k] = has_key(other) ? find(key_of(other)) : kNone;
     }
   });
   const auto neighbours_after = [&](std::size_t cell) {
@@ -163,42 +166,60 @@ void RigidLevel::find_colours() {
 }
 
 bool RigidLevel::coarsen(RigidLevel& finer) {
-  if (finer.links.empty()) return false;
+  const int linked = finer.links.empty() ? 0 : 1;
+  const bool shared = finer.ranks_ && !finer.ranks_->is_whole();
+  if ((shared ? finer.ranks_->ranks().max(linked) : linked) == 0) return false;
+  ranks_.reset();
+  if (shared) ranks_ = finer.ranks_->coarser();
   find_parents(finer);
   reset();
   make_room();
+  find_centres(finer);
   parallel_for(
       cells(), [&](std::size_t cell) { gather_from(finer, cell); }, kCellGrain);
-  if (finer.ranks_ != nullptr) finer.ranks_->add_up(finer, finer.parent_, *this);
+  if (ranks_) ranks_->add_up_matrices(*this);
   return true;
 }
 
 void RigidLevel::find_parents(RigidLevel& finer) {
-  key.clear();
-  for (int bits = 3; key.empty() || key.size() == finer.cells(); bits += 3) {
+  int bits = 0;
+  do {
+    bits += 3;
     key.clear();
-    first_child_.clear();
-    for (std::uint32_t cell = 0; cell < finer.cells(); ++cell) {
-      const std::uint64_t above = finer.key[cell] >> bits;
-      if (key.empty() || above != key.back()) {
-        key.push_back(above);
-        first_child_.push_back(cell);
-      }
-      finer.parent_[cell] = static_cast<std::uint32_t>(key.size() - 1);
-    }
+    for (const std::uint64_t child : finer.key)
+      if (key.empty() || child >> bits != key.back()) key.push_back(child >> bits);
+  } while (!ranks_ && key.size() == finer.cells());
+  if (ranks_) ranks_->list(key);
+  first_child_.resize(cells() + 1);
+  std::uint32_t child = 0;
+  for (std::uint32_t cell = 0; cell < cells(); ++cell) {
+    first_child_[cell] = child;
+    for (; child < finer.cells() && finer.key[child] >> bits == key[cell]; ++child)
+      finer.parent_[child] = cell;
   }
-  first_child_.push_back(static_cast<std::uint32_t>(finer.cells()));
+  first_child_.back() = child;
+}
+
+void RigidLevel::find_centres(const RigidLevel& finer) {
+  parallel_for(cells(), [&](std::size_t cell) {
+    Vec4f sum = Vec4f::Zero();
+    for (std::uint32_t child = first_child_[cell]; child < first_child_[cell + 1]; ++child) {
+      if (!finer.is_own(child)) continue;
+      const Vec4f& x = finer.centre[child];
+      sum += Vec4f(x[3] * x[0], x[3] * x[1], x[3] * x[2], x[3]);
+    }
+    centre[cell] = sum;
+  });
+  if (ranks_) ranks_->add_up(centre);
+  share_values(centre);
+  parallel_for(cells(), [&](std::size_t cell) {
+    const Vec4f sum = centre[cell];
+    centre[cell] = {sum[0] / sum[3], sum[1] / sum[3], sum[2] / sum[3], sum[3]};
+  });
 }
 
 /// Where ranks share the finer level: of this rank's cells, and of the links from them.
 void RigidLevel::gather_from(const RigidLevel& finer, std::size_t cell) {
-  Vec4f sum = Vec4f::Zero();
-  for (std::uint32_t child = first_child_[cell]; child < first_child_[cell + 1]; ++child) {
-    const float mass = finer.centre[child][3];
-    sum += Vec4f(mass * finer.centre[child][0], mass * finer.centre[child][1], mass * finer.centre[child][2],
-                 mass);
-  }
-  centre[cell] = {sum[0] / sum[3], sum[1] / sum[3], sum[2] / sum[3], sum[3]};
   anchor[cell] = {};
   std::fill(coupling.begin() + first_link[cell], coupling.begin() + first_link[cell + 1], RigidMatrix());
   for (std::uint32_t child = first_child_[cell]; child < first_child_[cell + 1]; ++child) {
@@ -237,7 +258,7 @@ RigidMatrix RigidLevel::diagonal(std::uint32_t cell) const {
 }
 
 void RigidLevel::invert(float inertia) {
-  if (ranks_ != nullptr) ranks_->exchange_links(coupling);
+  if (ranks_) ranks_->share_links(coupling);
   parallel_for(
       cells(),
       [&](std::size_t cell) {
@@ -282,7 +303,7 @@ void RigidLevel::relax_from_zero() {
       const RigidVector left = residual(cell, [&](std::uint32_t other) { return colour(other) < k; });
       motion[cell] = rigid::product(inverse_[cell], left);
     });
-    if (ranks_ != nullptr) ranks_->exchange(k, motion);
+    if (ranks_) ranks_->share_colour(k, motion);
   }
 }
 
@@ -298,20 +319,19 @@ void RigidLevel::restrict_to(RigidLevel& coarser) const {
         coarser.load[above] = sum;
       },
       kParentGrain);
-  if (ranks_ != nullptr) ranks_->add_up(coarser.load);
+  if (coarser.ranks_) coarser.ranks_->add_up(coarser.load);
 }
 
 void RigidLevel::relax() {
   for (std::uint64_t k = kColours; k-- > 0;) {
     for_cells_of(
         k, [&](std::uint32_t cell) { motion[cell] += rigid::product(inverse_[cell], residual(cell, kAll)); });
-    if (ranks_ != nullptr) ranks_->exchange(k, motion);
+    if (ranks_) ranks_->share_colour(k, motion);
   }
 }
 
 void RigidLevel::add_from(const RigidLevel& coarser) {
   parallel_for(cells(), [&](std::size_t cell) {
-    if (ranks_ != nullptr && !ranks_->knows(cell)) return;
     const std::uint32_t above = parent_[cell];
     motion[cell] +=
         rigid::motion_about(coarser.motion[above], without_fourth(centre[cell] - coarser.centre[above]));

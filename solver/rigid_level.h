@@ -5,14 +5,14 @@
 #include <array>
 #include <cstdint>
 #include <numeric>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "solver/rank_cells.h"
 #include "solver/rigid_motion.h"
 
 namespace kappaflow {
-
-class RankCells;
 
 /// Cubic cells of a grid, those that hold liquid, in Morton order, so that the 2x2x2 cells of a coarser one
 /// follow each other. Each has a rigid motion m about its centre; neighbours, also across edges and corners,
@@ -32,10 +32,13 @@ class RigidLevel {
 
   static std::uint64_t key_of(const std::array<std::int64_t, 3>& place);
   static std::array<std::int64_t, 3> place_of(std::uint64_t key);
+  static bool has_key(const std::array<std::int64_t, 3>& place);
 
-  /// Sets the cells to those of `key`, ascending, and links them. ranks: that share the cells, each of which
-  /// then has the rows of its own ones.
-  void reset(RankCells* ranks = nullptr);
+  /// Where ranks share the liquid: from the keys of this rank's cells, which count from the place, to those
+  /// of all that it lists.
+  void share_among(Ranks& ranks, const LiquidCut& cut, const LiquidCut::Place& first_place);
+  /// Sets the cells to those of `key`, ascending, and links them.
+  void reset();
   /// Room for the sums over links and cells, which are not set.
   void make_room();
   /// Adds up the finer level's sums. Sets its cells' parents. False where there would be nothing to gain.
@@ -45,6 +48,16 @@ class RigidLevel {
 
   std::size_t cells() const { return key.size(); }
   std::uint64_t colour(std::size_t cell) const { return key[cell] % kColours; }
+  /// The cell of a key, or kNone.
+  std::uint32_t find(std::uint64_t key_of_cell) const;
+  /// Whether its row of the system is this rank's, and so its sums.
+  bool is_own(std::size_t cell) const { return !ranks_ || ranks_->owns(cell); }
+  double sum_of_ranks(double own) const { return ranks_ ? ranks_->ranks().sum(own) : own; }
+  /// Gives others what this rank knows of its own cells, where ranks share them.
+  template <class T>
+  void share_values(std::vector<T>& values) {
+    if (ranks_) ranks_->share(values);
+  }
 
   /// The motions that half a round of block Gauss-Seidel finds for A motion = load from 0, by colours, which
   /// do not touch each other.
@@ -56,11 +69,8 @@ class RigidLevel {
   /// Adds the coarser level's motion.
   void add_from(const RigidLevel& coarser);
 
-  /// Whether the link joins cells that resist each other.
-  bool is_coupled(std::size_t link) const {
-    const SymmetricMatrix& force = coupling[link].force;
-    return force[0] + force[1] + force[2] > 0;
-  }
+  /// Whether the link, of an own cell, joins cells that resist each other.
+  bool is_coupled(std::size_t link) const { return rigid::resists(coupling[link]); }
   /// The connected component of each cell, by its first cell, of the links for which counts(link).
   template <class Select>
   void find_components(std::vector<std::uint32_t>& root, const Select& counts) const;
@@ -80,13 +90,13 @@ class RigidLevel {
   void find_rows();
   void find_colours();
   void find_parents(RigidLevel& finer);
+  void find_centres(const RigidLevel& finer);
   void gather_from(const RigidLevel& finer, std::size_t cell);
   void add_link(const RigidLevel& finer, std::size_t cell, std::uint32_t link, std::uint32_t other);
   Vec4f arm(std::uint32_t to, std::uint32_t from) const { return without_fourth(centre[to] - centre[from]); }
   std::span<const std::uint32_t> links_to(std::size_t cell) const {
     return {row_.data() + first_in_row_[cell], first_in_row_[cell + 1] - first_in_row_[cell]};
   }
-  bool is_own(std::size_t cell) const;
   RigidMatrix diagonal(std::uint32_t cell) const;
   /// load - A motion at one cell, of the neighbours that count.
   template <class Select>
@@ -94,7 +104,7 @@ class RigidLevel {
   template <class Work>
   void for_cells_of(std::uint64_t colour, const Work& work) const;
 
-  RankCells* ranks_ = nullptr;
+  std::optional<RankCells> ranks_;  // where they share the level's cells
   std::vector<std::uint32_t> parent_;
   std::vector<std::uint32_t> first_child_;         // in the finer level
   std::vector<std::uint32_t> first_in_row_, row_;  // the links to a cell

@@ -104,6 +104,11 @@ inline RigidVector load_from(const RigidVector& load, const Vec4f& arm) {
   return {product(force, v) + without_fourth(transposed), without_fourth(columns) + product(turning, w)};
 }
 
+/// Whether it is not zero: a resistance has resisting force on some axis.
+inline bool resists(const RigidMatrix& matrix) {
+  return matrix.force[0] + matrix.force[1] + matrix.force[2] > 0;
+}
+
 /// [arm] matrix, by rows: arm x its columns.
 template <class T>
 std::array<T, 9> crossed(const Eigen::Vector3f& arm, const std::array<T, 6>& matrix) {

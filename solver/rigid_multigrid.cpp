@@ -49,8 +49,7 @@ WideSquares weighted_squares(const WideVec& x, const Wide& weight) {
 RigidMultigrid::RigidMultigrid(double spacing) : spacing_(spacing), levels_(1) {}
 
 std::size_t RigidMultigrid::bytes() const {
-  std::size_t sum =
-      bytes_of(runs_, first_run_, inverse_diagonal_, coupled_) + (shared_ ? shared_->bytes() : 0);
+  std::size_t sum = bytes_of(runs_, first_run_, inverse_diagonal_, root_);
   for (const RigidLevel& level : levels_) sum += level.bytes();
   return sum;
 }
@@ -256,18 +255,18 @@ SymmetricMatrix RigidMultigrid::CellSums::inverse_of(float mass, const Symmetric
 void RigidMultigrid::build(const ViscousForces& forces, const FluidParticles& particles,
                            const NeighbourLists& lists, const WallSums& walls, float time_step,
                            const std::vector<Vec4f>& v, std::vector<Vec4f>& resistance) {
-  if (particles.halo != nullptr && !shared_) shared_.emplace(particles.halo->ranks());
+  shared_ = particles.halo != nullptr;
   find_corner(particles);
   find_runs(forces, particles);
-  find_cells();
+  find_cells(particles.halo);
   inverse_diagonal_.resize(particles.size());
   if (!weak_) levels_.front().make_room();
   for_cells([&](std::size_t cell) {
-    if (is_own(cell)) find_centre(particles, cell);
+    if (finest().is_own(cell)) find_centre(particles, cell);
   });
-  if (shared_) shared_->complete(levels_.front().centre);
+  levels_.front().share_values(levels_.front().centre);
   for_cells([&](std::size_t cell) {
-    if (!is_own(cell)) return;
+    if (!finest().is_own(cell)) return;
     CellSums sums(*this, cell, forces, particles, lists, walls, time_step);
     for_particles(cell, [&](std::size_t i) { resistance[i] = sums.add(i, v); });
     if (!weak_) sums.finish();
@@ -292,14 +291,26 @@ void RigidMultigrid::find_weak(const ViscousForces& forces, float time_step) {
   any_weak_ = weak > 0 && !weak_;
 }
 
-void RigidMultigrid::find_components(std::vector<std::uint32_t>& component) {
-  const RigidLevel& level = finest();
-  if (weak_ || any_weak_) return level.find_components(component, [](std::size_t) { return true; });
-  if (!shared_) return level.find_components(component, [&](std::size_t k) { return level.is_coupled(k); });
-  coupled_.resize(level.links.size());
-  parallel_for(coupled_.size(), [&](std::size_t k) { coupled_[k] = level.is_coupled(k); });
-  shared_->complete_links(coupled_, level.first_link);
-  level.find_components(component, [&](std::size_t k) { return coupled_[k] != 0; });
+Vec3 RigidMultigrid::point_of(std::uint64_t key) const {
+  if (!shared_) return finest().centre[finest().find(key)].head<3>().cast<double>();
+  Vec3 point;
+  const auto place = RigidLevel::place_of(key);
+  for (std::size_t a = 0; a < 3; ++a)
+    point[static_cast<int>(a)] =
+        (static_cast<double>(place[a] + first_place_[a]) + 0.5) * kCellWidth * spacing_;
+  return point;
+}
+
+bool RigidMultigrid::is_connected(std::size_t link) const {
+  const auto [from, to] = finest().links[link];
+  if (!finest().is_own(from) && !finest().is_own(to)) return false;
+  return weak_ || any_weak_ || finest().is_coupled(link);
+}
+
+void RigidMultigrid::find_components(std::vector<std::uint64_t>& component) {
+  finest().find_components(root_, [this](std::size_t link) { return is_connected(link); });
+  component.resize(cells());
+  parallel_for(cells(), [&](std::size_t cell) { component[cell] = finest().key[root_[cell]]; });
 }
 
 /// Where ranks share the liquid, cells are those by which it is cut, of a lattice that has no corner.
@@ -319,7 +330,7 @@ void RigidMultigrid::find_corner(const FluidParticles& particles) {
   };
   const Place own = parallel_reduce(
       n, last, [&](std::size_t i) { return particles.halo->cut().place_of(particles.position[i]); }, least);
-  first_place_ = shared_->ranks().combined(own, least);
+  first_place_ = particles.halo->ranks().combined(own, least);
 }
 
 void RigidMultigrid::find_runs(const ViscousForces& forces, const FluidParticles& particles) {
@@ -348,17 +359,17 @@ void RigidMultigrid::find_runs(const ViscousForces& forces, const FluidParticles
     }
     runs_.back().end = i + 1;
   }
-  if (shared_) any_led_ = shared_->ranks().max(static_cast<int>(any_led_)) != 0;
+  any_led_ = max_of_ranks(particles, static_cast<int>(any_led_)) != 0;
 }
 
-void RigidMultigrid::find_cells() {
+void RigidMultigrid::find_cells(const Halo* halo) {
   std::ranges::sort(
       runs_, [](const Run& a, const Run& b) { return a.key != b.key ? a.key < b.key : a.begin < b.begin; });
   auto& keys = levels_.front().key;
   keys.clear();
   for (const Run& run : runs_)
     if (keys.empty() || run.key != keys.back()) keys.push_back(run.key);
-  if (shared_) shared_->merge(keys);
+  if (halo != nullptr) levels_.front().share_among(halo->ranks(), halo->cut(), first_place_);
   first_run_.resize(keys.size() + 1);
   std::uint32_t k = 0;
   for (std::size_t cell = 0; cell < keys.size(); ++cell) {
@@ -366,7 +377,7 @@ void RigidMultigrid::find_cells() {
     while (k < runs_.size() && runs_[k].key == keys[cell]) ++k;
   }
   first_run_.back() = k;
-  levels_.front().reset(shared_ ? &*shared_ : nullptr);
+  levels_.front().reset();
 }
 
 void RigidMultigrid::find_centre(const FluidParticles& particles, std::size_t cell) {
@@ -405,11 +416,11 @@ double RigidMultigrid::solve() {
   }
   const RigidLevel& level = levels_.front();
   const double own = sum_over_cells(0.0, [&](std::size_t cell) {
-    if (!is_own(cell)) return 0.0;
+    if (!level.is_own(cell)) return 0.0;
     return level.load[cell].linear.cast<double>().dot(level.motion[cell].linear.cast<double>()) +
            level.load[cell].angular.cast<double>().dot(level.motion[cell].angular.cast<double>());
   });
-  return shared_ ? shared_->ranks().sum(own) : own;
+  return level.sum_of_ranks(own);
 }
 
 }  // namespace kappaflow

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "core/parallel.h"
@@ -10,7 +9,6 @@
 #include "solver/fluid_particles.h"
 #include "solver/lanes.h"
 #include "solver/neighbours.h"
-#include "solver/rank_cells.h"
 #include "solver/rigid_level.h"
 #include "solver/viscous_forces.h"
 
@@ -50,8 +48,18 @@ class RigidMultigrid {
     return rigid::product(inverse_diagonal_[i].data(), r);
   }
 
-  /// The connected component of each cell, by its first cell.
-  void find_components(std::vector<std::uint32_t>& component);
+  /// The connected component of each cell, by the key of its first cell; where ranks share the liquid, of
+  /// those that this one lists.
+  void find_components(std::vector<std::uint64_t>& component);
+  /// Whether the link is one of those that connect. Where ranks share the liquid: of this rank's cells only.
+  bool is_connected(std::size_t link) const;
+  /// Tells other ranks what this one knows of its own cells.
+  template <class T>
+  void share_values(std::vector<T>& values) {
+    levels_.front().share_values(values);
+  }
+  /// A point in or near a finest cell, the same on all ranks, whether they list it or not [m].
+  Vec3 point_of(std::uint64_t key) const;
   /// Whether viscosity changes the fluid's velocity little in a step.
   bool is_weak(std::size_t fluid) const { return weak_fluid_[fluid] != 0; }
   bool any_led() const { return any_led_; }
@@ -78,8 +86,6 @@ class RigidMultigrid {
   std::size_t bytes() const;
 
  private:
-  /// Where ranks share the liquid, those of other ranks have no particles here.
-  bool is_own(std::size_t cell) const { return first_run_[cell] != first_run_[cell + 1]; }
   /// Particles [begin, end), all in the cell.
   struct Run {
     std::uint64_t key;
@@ -90,7 +96,7 @@ class RigidMultigrid {
 
   void find_corner(const FluidParticles& particles);
   void find_runs(const ViscousForces& forces, const FluidParticles& particles);
-  void find_cells();
+  void find_cells(const Halo* halo);
   void find_centre(const FluidParticles& particles, std::size_t cell);
   /// Whether the particle moves with its cell.
   bool is_carried(std::size_t i, const FluidParticles& particles) const {
@@ -104,11 +110,11 @@ class RigidMultigrid {
   std::array<std::int64_t, 3> first_place_{};  // place in it from which the cells' count
   std::vector<Run> runs_;
   std::vector<std::uint32_t> first_run_;  // of a cell
-  std::optional<RankCells> shared_;       // where ranks share the liquid
-  std::vector<char> coupled_;             // then: links
+  std::vector<std::uint32_t> root_;       // of the component of each cell, its first cell
   std::vector<SymmetricMatrix> inverse_diagonal_;
   std::vector<RigidLevel> levels_;  // from fine to coarse
   std::size_t depth_ = 0;           // levels in use; 0: M is D
+  bool shared_ = false;             // ranks share the liquid: of other ranks' cells no particles are here
   bool any_led_ = false;
   // Where viscosity is weak, D^-1 alone is as good. If all is, there are no levels; if some is, its particles
   // do not move with the cells, which else would hold two bodies, a stiff one and what flows around it.

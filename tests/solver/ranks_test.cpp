@@ -55,6 +55,42 @@ FluidSolver spinning_drop(Ranks* ranks) {
   return {o, points, velocity, {}, {}, {}, {}, {}, ranks};
 }
 
+/// Bodies of liquid in no gravity, each of which moves, spins and is sheared in its own way: one that winds
+/// to and fro across the cuts, drops on both sides of it, and one that lies across them.
+struct Bodies {
+  std::vector<Vec3> points, velocity;
+  std::vector<std::size_t> body;  // of each point
+
+  Bodies() {
+    std::vector<Vec3> winding;
+    const auto add_block = [&](const Vec3& lower, const Vec3& upper) {
+      for (const Vec3& x : test::block(lower, upper, kSpacing)) winding.push_back(x);
+    };
+    for (int row = 0; row < 4; ++row) {
+      const double y = 0.4 * row, end = row % 2 == 0 ? 1.4 : 0;
+      add_block({0, y, 0}, {1.6, y + 0.2, 0.2});
+      if (row < 3) add_block({end, y + 0.2, 0}, {end + 0.2, y + 0.4, 0.2});
+    }
+    add(winding);
+    for (const Vec3& centre : {Vec3(-0.4, 0.5, 0.1), Vec3(2.0, 0.9, 0.1), Vec3(0.8, 0.7, 0.7)}) {
+      std::vector<Vec3> drop = test::blob(0.2, kSpacing);
+      for (Vec3& x : drop) x += centre;
+      add(drop);
+    }
+    add(test::block({0.2, 1.8, 0}, {1.4, 2.0, 0.2}, kSpacing));
+  }
+
+  void add(const std::vector<Vec3>& of_body) {
+    const double k = body.empty() ? 0 : static_cast<double>(body.back()) + 1;
+    for (const Vec3& x : of_body) {
+      points.push_back(x);
+      velocity.push_back(Vec3(0.1 - 0.1 * k, 0.05 * k, 0) + Vec3(0, 0.3, k - 1).cross(x) +
+                         Vec3(x.y(), 0, std::sin(9 * x.x())));
+      body.push_back(static_cast<std::size_t>(k));
+    }
+  }
+};
+
 /// A stream along x into a box, with a ball on its way that takes its middle.
 FluidSolver stream(Ranks* ranks) {
   FluidOptions o = options(0.01);
@@ -132,6 +168,14 @@ TEST(Ranks, MoveLiquidAsOneDoes) {
   }
 }
 
+// Of nine ranks coarser levels of the preconditioner are shared too.
+TEST(Ranks, AreAlikeHoweverManyTheyAre) {
+  const auto make = [](Ranks* ranks) { return falling_block(100, ranks); };
+  const Course two = course_on(2, make, 4), nine = course_on(9, make, 4);
+  EXPECT_LT(difference(two.particles, nine.particles), 1e-5);
+  EXPECT_EQ(two.viscosity, nine.viscosity);
+}
+
 TEST(Ranks, GiveTheSameBitsEveryTime) {
   const auto make = [](Ranks* ranks) { return falling_block(1, ranks); };
   EXPECT_EQ(course_on(3, make, 5).particles.position, course_on(3, make, 5).particles.position);
@@ -145,6 +189,36 @@ TEST(Ranks, KeepMomentum) {
     EXPECT_LT((momentum(after) - momentum(before)).norm(), 1e-6 * mass);
     EXPECT_LT((angular_momentum(after) - angular_momentum(before)).norm(), 1e-6 * mass);
   });
+}
+
+// Whatever the solver leaves of the error: what each body lacks is found for it alone, and for all of it.
+TEST(Ranks, KeepTheMomentumOfEachBody) {
+  const Bodies bodies;
+  const auto make = [&](Ranks* ranks) {
+    FluidOptions o = options(5);
+    o.gravity.setZero();
+    return FluidSolver(o, bodies.points, bodies.velocity, {}, {}, {}, {}, {}, ranks);
+  };
+  const auto part_of = [&](const Particles& all, std::size_t body) {
+    Particles part;
+    for (std::size_t i = 0; i < all.size(); ++i)
+      if (bodies.body[all.id[i]] == body) {
+        part.position.push_back(all.position[i]);
+        part.velocity.push_back(all.velocity[i]);
+      }
+    return part;
+  };
+  for (const int size : {2, 3, 4, 7})
+    on_ranks(size, make, [&](FluidSolver& fluid) {
+      const Particles before = fluid.particles(), after = course_of(fluid, 6).particles;
+      for (std::size_t body = 0; body <= bodies.body.back(); ++body) {
+        const Particles then = part_of(before, body), now = part_of(after, body);
+        const double mass = static_cast<double>(now.position.size());
+        EXPECT_LT((momentum(now) - momentum(then)).norm(), 1e-6 * mass) << size << " ranks, " << body;
+        EXPECT_LT((angular_momentum(now) - angular_momentum(then)).norm(), 1e-6 * mass)
+            << size << " ranks, " << body;
+      }
+    });
 }
 
 TEST(Ranks, MakeAndTakeParticlesAsOneDoes) {
