@@ -17,9 +17,10 @@ namespace kappaflow {
 /// longest extent halves the ranks and, to a cell, the particles: where it goes through a layer of cells,
 /// that is cut along the next extent. Planes leave ranks fewer neighbours' particles than a space-filling
 /// curve: of a slab on two ranks 4 percent, not 31. The cut is made anew whenever particles have moved, of
-/// where they are and nothing else: a run that is resumed has the same one. That costs one gather of the
-/// cells that hold liquid, 1/64 of the particles, and no particle changes its rank but where the liquid has
-/// moved.
+/// where they are and nothing else: a run that is resumed has the same one. No particle changes its rank but
+/// where the liquid has moved. Ranks tell each other of the particles in each layer of cells across an axis,
+/// then in each row of the layer that is cut, then in each cell of the row, for all parts of one level of
+/// the bisection at once.
 class LiquidCut {
  public:
   using Place = std::array<std::int64_t, 3>;
@@ -37,23 +38,30 @@ class LiquidCut {
   void cut(std::span<const Vec4f> position, Ranks& ranks);
 
  private:
-  /// A cell and the particles in it.
+  /// A cell, this rank's particles in it, and the part where it is.
   struct Load {
     Place place{};
     std::uint64_t count = 0;
+    std::uint32_t part = 0;
   };
-  /// A cut in two, or what is left for one rank.
+  /// What so many ranks share, from `rank` on.
   struct Part {
-    std::array<std::uint8_t, 3> axes{};  // from the longest extent of the part to the shortest
-    Place first{};                       // of the cells beyond the cut, which are ordered by these axes
-    std::uint32_t beyond = 0;            // part there; that on this side follows this one
-    int rank = 0;                        // its only one; -1: it is cut
+    int rank = 0, ranks = 1;
+    std::array<std::uint8_t, 3> axes{0, 1, 2};  // from the longest extent to the shortest
+    // Of the cells beyond the cut, which are ordered by these axes. Where there is no liquid, none is.
+    Place first{kLargestPlace + 1, kLargestPlace + 1, kLargestPlace + 1};
+    std::uint32_t side = 0;  // part on this side of the cut; that beyond follows it
+
+    std::uint32_t side_of(const Place& place) const;
   };
 
-  void halve(std::span<Load> loads, int first_rank, int ranks);
+  std::vector<std::uint64_t> find_axes(std::size_t begin, std::span<const Load> loads, Ranks& ranks);
+  void find_first(std::size_t begin, std::size_t k, std::span<const Load> loads,
+                  std::vector<std::uint64_t>& wanted, Ranks& ranks);
+  void split(std::size_t p);
 
-  float width_;  // [m]
-  std::vector<Part> parts_;
+  float width_;              // [m]
+  std::vector<Part> parts_;  // level by level
 };
 
 }  // namespace kappaflow

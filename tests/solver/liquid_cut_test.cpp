@@ -65,6 +65,54 @@ TEST(LiquidCut, SharesParticlesEvenlyAsCellsAllow) {
     }
 }
 
+using Loads = std::vector<std::pair<LiquidCut::Place, std::uint64_t>>;  // cells and the particles in them
+
+/// Recursive bisection as it is written in books, of all cells at once.
+void halve(const Loads& loads, int first_rank, int ranks, std::map<LiquidCut::Place, int>& owner) {
+  if (ranks == 1)
+    for (const auto& [place, count] : loads) owner[place] = first_rank;
+  if (ranks == 1 || loads.empty()) return;
+  std::vector<std::pair<std::int64_t, int>> extents;  // the longest first, of the same the first axis
+  for (int a = 0; a < 3; ++a) {
+    const auto along = [a](const auto& load) { return load.first[static_cast<std::size_t>(a)]; };
+    const auto [least, most] = std::ranges::minmax(loads, {}, along);
+    extents.emplace_back(along(least) - along(most), a);
+  }
+  std::ranges::sort(extents);
+  Loads sorted = loads;
+  std::ranges::sort(sorted, {}, [&](const auto& load) {
+    LiquidCut::Place place;
+    for (std::size_t k = 0; k < 3; ++k) place[k] = load.first[static_cast<std::size_t>(extents[k].second)];
+    return place;
+  });
+  std::uint64_t all = 0, before = 0;
+  for (const auto& [place, count] : loads) all += count;
+  const int here = ranks / 2;
+  const std::uint64_t wanted = all * static_cast<std::uint64_t>(here) / static_cast<std::uint64_t>(ranks);
+  auto cut = sorted.begin();  // a cell is on the side where its middle lies
+  for (; cut != sorted.end() && before + cut->second / 2 < wanted; ++cut) before += cut->second;
+  halve(Loads(sorted.begin(), cut), first_rank, here, owner);
+  halve(Loads(cut, sorted.end()), first_rank + here, ranks - here, owner);
+}
+
+TEST(LiquidCut, IsRecursiveBisection) {
+  std::vector<std::vector<Vec4f>> all = shapes();
+  std::vector<Vec3> uneven;  // few cells, which hold from none to all 64 particles
+  for (const Vec3& x : test::block({-2, -1, 0}, {1, 1, 0.2}, kSpacing))
+    if (std::sin(7 * x.x()) + std::cos(5 * x.y()) > 4 * x.z()) uneven.push_back(x);
+  all.push_back(places(uneven));
+  for (const std::vector<Vec4f>& points : all)
+    for (const int size : {2, 3, 8, 13}) {
+      const LiquidCut cut = cuts_of(points, size).back();
+      std::map<LiquidCut::Place, std::uint64_t> in_cell;
+      for (const Vec4f& x : points) ++in_cell[cut.place_of(x)];
+      std::map<LiquidCut::Place, int> owner;
+      halve(Loads(in_cell.begin(), in_cell.end()), 0, size, owner);
+      for (const auto& [place, rank] : owner)
+        EXPECT_EQ(cut.owner_of(place), rank) << size << " ranks, " << points.size() << " points";
+    }
+}
+
 TEST(LiquidCut, IsTheSameOnAllRanksAlsoWhereNoLiquidIs) {
   const std::vector<Vec4f> points = shapes()[2];
   const std::vector<LiquidCut> cuts = cuts_of(points, 5);
