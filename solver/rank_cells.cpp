@@ -7,8 +7,8 @@
 namespace kappaflow {
 namespace {
 
-// Of a rank's finest cells a level is whole that has no more than one in so many: what all ranks do alike is
-// then little beside what is their own, and spares them messages.
+// A level is whole that has one cell, or less, for so many that a rank has of the finest. What all ranks do
+// alike is then less than what is their own, and spares them messages.
 constexpr std::size_t kLessThanShare = 2;
 
 /// Whether test(place) is true for one of the 26 places around.
@@ -67,6 +67,7 @@ std::vector<int> RankCells::owners_of(const Keys& keys) const {
   return owners;
 }
 
+/// The owners are told first, so that each knows its cells: of some it may have no particles.
 void RankCells::list(Keys& keys) {
   listed_.assign(size(), {});
   const std::vector<int> owners = owners_of(keys);
@@ -88,8 +89,8 @@ void RankCells::list(Keys& keys) {
   owner_ = owners_of(keys);
 }
 
-/// Adds to listed_ what touches these cells. A rank sends its cells to the owners of all places beside them:
-/// these know which of them touch a cell.
+/// Adds to listed_ what touches these cells. Each rank sends its cells to the owners of the places beside
+/// them, which know whether there are cells.
 void RankCells::list_touching(const Keys& own) {
   const std::vector<Keys> beside = swapped(ranks(), beside_others(own));
   const auto is_own = [&](const LiquidCut::Place& place) {
