@@ -62,16 +62,7 @@ struct Bodies {
   std::vector<std::size_t> body;  // of each point
 
   Bodies() {
-    std::vector<Vec3> winding;
-    const auto add_block = [&](const Vec3& lower, const Vec3& upper) {
-      for (const Vec3& x : test::block(lower, upper, kSpacing)) winding.push_back(x);
-    };
-    for (int row = 0; row < 4; ++row) {
-      const double y = 0.4 * row, end = row % 2 == 0 ? 1.4 : 0;
-      add_block({0, y, 0}, {1.6, y + 0.2, 0.2});
-      if (row < 3) add_block({end, y + 0.2, 0}, {end + 0.2, y + 0.4, 0.2});
-    }
-    add(winding);
+    add(test::winding(kSpacing));
     for (const Vec3& centre : {Vec3(-0.4, 0.5, 0.1), Vec3(2.0, 0.9, 0.1), Vec3(0.8, 0.7, 0.7)}) {
       std::vector<Vec3> drop = test::blob(0.2, kSpacing);
       for (Vec3& x : drop) x += centre;
@@ -202,10 +193,8 @@ TEST(Ranks, KeepTheMomentumOfEachBody) {
   const auto part_of = [&](const Particles& all, std::size_t body) {
     Particles part;
     for (std::size_t i = 0; i < all.size(); ++i)
-      if (bodies.body[all.id[i]] == body) {
-        part.position.push_back(all.position[i]);
-        part.velocity.push_back(all.velocity[i]);
-      }
+      if (bodies.body[all.id[i]] == body)
+        part.position.push_back(all.position[i]), part.velocity.push_back(all.velocity[i]);
     return part;
   };
   for (const int size : {2, 3, 4, 7})
@@ -213,10 +202,9 @@ TEST(Ranks, KeepTheMomentumOfEachBody) {
       const Particles before = fluid.particles(), after = course_of(fluid, 6).particles;
       for (std::size_t body = 0; body <= bodies.body.back(); ++body) {
         const Particles then = part_of(before, body), now = part_of(after, body);
-        const double mass = static_cast<double>(now.position.size());
-        EXPECT_LT((momentum(now) - momentum(then)).norm(), 1e-6 * mass) << size << " ranks, " << body;
-        EXPECT_LT((angular_momentum(now) - angular_momentum(then)).norm(), 1e-6 * mass)
-            << size << " ranks, " << body;
+        const double lost =
+            (momentum(now) - momentum(then)).norm() + (angular_momentum(now) - angular_momentum(then)).norm();
+        EXPECT_LT(lost, 2e-6 * static_cast<double>(now.position.size())) << size << " ranks, " << body;
       }
     });
 }

@@ -60,4 +60,18 @@ inline std::vector<Vec3> blob(double radius, double spacing) {
   return points;
 }
 
+/// A thread four spacings thick that runs to and fro along x four times, 32 spacings long, eight apart.
+inline std::vector<Vec3> winding(double spacing) {
+  std::vector<Vec3> points;
+  const auto add_block = [&](const Vec3& lower, const Vec3& upper) {
+    for (const Vec3& x : block(spacing * lower, spacing * upper, spacing)) points.push_back(x);
+  };
+  for (int row = 0; row < 4; ++row) {
+    const double y = 8 * row, end = row % 2 == 0 ? 28 : 0;
+    add_block({0, y, 0}, {32, y + 4, 4});
+    if (row < 3) add_block({end, y + 4, 0}, {end + 4, y + 8, 4});
+  }
+  return points;
+}
+
 }  // namespace kappaflow::test
