@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <exception>
 #include <optional>
 #include <sstream>
 #include <utility>
@@ -231,7 +232,11 @@ DistantLiquid::DistantLiquid(const PreparedScene& prepared, Ranks& ranks)
 }
 
 DistantLiquid::~DistantLiquid() {
-  send_values(ranks_, kLiquid, Order::end);
+  try {
+    send_values(ranks_, kLiquid, Order::end);
+  } catch (const std::exception&) {  // else the others would wait for ever
+    ranks_.abort(1);
+  }
 }
 
 void DistantLiquid::begin() {
