@@ -27,7 +27,7 @@ target_include_directories(kappaflow_settings INTERFACE $<INSTALL_INTERFACE:${CM
 configure_package_config_file(cmake/kappaflowConfig.cmake.in ${PROJECT_BINARY_DIR}/kappaflowConfig.cmake
                               INSTALL_DESTINATION ${package_folder})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/kappaflowConfigVersion.cmake COMPATIBILITY SameMinorVersion)
-install(FILES ${PROJECT_BINARY_DIR}/kappaflowConfig.cmake ${PROJECT_BINARY_DIR}/kappaflowConfigVersion.cmake
+install(FILES ${PROJECT_BINARY_DIR}/kappaflowConfig.cmake ${PROJECT_BINARY_DIR}/kappaflowConfigVersion.cmake cmake/libdeflate.cmake
         DESTINATION ${package_folder})
 install(CODE "set(SOURCE_DIR \"${PROJECT_SOURCE_DIR}\")
 set(BINARY_DIR \"${PROJECT_BINARY_DIR}\")

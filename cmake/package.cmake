@@ -29,7 +29,7 @@ methods side by side.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libkappaflow-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-    "libbullet-dev, libdeflate-dev, libeigen3-dev, libfmt-dev, libtbb-dev, libtomlplusplus-dev, libvtk9-dev, pkg-config")
+    "libbullet-dev, libdeflate-dev, libeigen3-dev, libfmt-dev, libtbb-dev, libtomlplusplus-dev, libvtk9-dev")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION
 "Libraries and headers for find_package(kappaflow): the solver, the implicit
 surface and its tracker.")

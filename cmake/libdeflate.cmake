@@ -1,0 +1,15 @@
+# libdeflate::libdeflate, for the build and for find_package(kappaflow): Debian 12's package has no CMake files of its own.
+find_path(LIBDEFLATE_INCLUDE_DIR libdeflate.h)
+find_library(LIBDEFLATE_LIBRARY deflate)
+mark_as_advanced(LIBDEFLATE_INCLUDE_DIR LIBDEFLATE_LIBRARY)
+set(LIBDEFLATE_FOUND FALSE)
+if(LIBDEFLATE_INCLUDE_DIR AND LIBDEFLATE_LIBRARY)
+  set(LIBDEFLATE_FOUND TRUE)
+  file(STRINGS ${LIBDEFLATE_INCLUDE_DIR}/libdeflate.h LIBDEFLATE_VERSION REGEX "define LIBDEFLATE_VERSION_STRING")
+  string(REGEX REPLACE ".*\"([0-9.]+)\".*" "\\1" LIBDEFLATE_VERSION "${LIBDEFLATE_VERSION}")
+  if(NOT TARGET libdeflate::libdeflate)
+    add_library(libdeflate::libdeflate UNKNOWN IMPORTED)
+    set_target_properties(libdeflate::libdeflate PROPERTIES IMPORTED_LOCATION ${LIBDEFLATE_LIBRARY}
+                          INTERFACE_INCLUDE_DIRECTORIES ${LIBDEFLATE_INCLUDE_DIR})
+  endif()
+endif()
