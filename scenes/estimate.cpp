@@ -23,6 +23,7 @@ constexpr double kBytesPerParticleInSolver = 450;  // what `kappaflow benchmark`
 constexpr double kBytesPerParticleOfHeat = 80;     // in scenes that have it: the temperatures and their solve
 constexpr double kBytesPerParticleCollected = 80;  // from ranks that share the liquid
 constexpr double kBytesPerParticleTold = 400;      // by those that have it to one that has none
+constexpr double kBytesPerParticleSaved = 250;     // of all, on their way to a checkpoint, where few are told
 constexpr double kBytesPerSampledParticle = 900;   // of a wall, while the walls are sampled
 // Particles at both ends of a step, the paths between them, and the fields of up to three stages, all in
 // double precision.
@@ -88,17 +89,27 @@ constexpr double kSplashPeak = 3;  // when, in units of when it begins
 constexpr double kRegionsPerMotion = 0.07, kStreamRegionsPerMotion = 7e-5;
 constexpr double kFoldingPower = 0.8, kMostFolding = 30;
 
+/// Those within 4.5 sigma of a surface with so many vertices, and one of eight in the depth: see Zone.
+double near_particles(const Scene& scene, double particles, double vertices) {
+  const double sigma = scene.surface.sigma, edge = scene.surface.edge_length * sigma;  // [spacings]
+  const double area = vertices / kVerticesPerCell * edge * edge;
+  return std::min(particles, 4.5 * sigma * area + particles / 8);
+}
+
 double memory(const Scene& scene, double particles, double boundary_particles, double vertices,
               const LiquidPlace& place) {
   const double methods = static_cast<double>(scene.surface.methods.size());
   const double sample = kSampleSpacing * scene.surface.sigma;  // [spacings]
-  const double samples = methods > 0 ? kSpread * particles / (sample * sample * sample) : 0;
   const double heat = scene.fluid.heat ? kBytesPerParticleOfHeat : 0;
-  const double collected = place.is_apart    ? kBytesPerParticleTold
+  const double collected = place.is_near     ? kBytesPerParticleSaved
+                           : place.is_apart  ? 0
                            : place.share < 1 ? kBytesPerParticleCollected
                                              : 0;
   const double in_solver = place.share * (kBytesPerParticleInSolver + heat) + collected;
-  const double run = particles * (in_solver + kBytesPerParticleInField) +
+  const double told = place.is_near ? near_particles(scene, particles, vertices) : particles;
+  const double samples = methods > 0 ? kSpread * told / (sample * sample * sample) : 0;
+  const double in_field = kBytesPerParticleInField + (place.is_apart ? kBytesPerParticleTold : 0);
+  const double run = particles * in_solver + told * in_field +
                      boundary_particles * kBytesPerBoundaryParticle + methods * vertices * kBytesPerVertex +
                      samples * kBytesPerSample;
   return kBytesOfProgram + std::max(run, boundary_particles * kBytesPerSampledParticle);

@@ -24,6 +24,7 @@ struct SceneEstimate {
 struct LiquidPlace {
   double share = 1;       ///< of it on the first rank's machine
   bool is_apart = false;  ///< whether that rank itself has none of it
+  bool is_near = false;   ///< and whether it is then told of the particles near the surface alone
 };
 
 /// threads: on which the run will be, >= 1. The models and their constants stand in estimate.cpp; seconds are

@@ -1,8 +1,11 @@
 // What a solver says of itself, and how it is saved; with several ranks, the first one asks the others.
+#include <algorithm>
+#include <bit>
 #include <limits>
-#include <sstream>
 
-#include "core/saved_state.h"
+#include "core/parallel.h"
+#include "core/quantile.h"
+#include "core/state_bytes.h"
 #include "solver/broadcast_state.h"
 #include "solver/fluid_state.h"
 
@@ -94,14 +97,12 @@ SavedFluid FluidSolver::take_saved(Archive& archive, const FluidOptions& options
   Emitters emitters(options);
   RigidBodies moved(bodies, options.density, options.spacing);
   archive(saved.time, saved.steps, fastest, particles, emitters, moved);
-  std::ostringstream bytes;
-  StateWriter(bytes, little_endian())(saved.time, saved.steps, fastest, particles, emitters, moved);
-  saved.bytes = std::move(bytes).str();
+    saved.bytes = state_bytes(saved.time, saved.steps, fastest, particles, emitters, moved);
   return saved;
 }
 template SavedFluid FluidSolver::take_saved(StateReader&, const FluidOptions&, std::span<const RigidBody>);
 
-RankTask FluidSolver::follow() {
+RankOrder FluidSolver::follow() {
   State& s = *state_;
   for (;;) {
     const RankOrder order = s.ranks->next_order();
@@ -119,11 +120,16 @@ RankTask FluidSolver::follow() {
       case RankTask::collect_shares:
         s.shares();
         break;
+      case RankTask::find_speed:
+        s.together(order, [&] { s.fast_speed(order.value); });
+        break;
       case RankTask::resume:
       case RankTask::make:
       case RankTask::serve:
+      case RankTask::find_near:
+      case RankTask::write_particles:
       case RankTask::end:
-        return order.task;
+        return order;
     }
   }
 }
@@ -165,7 +171,40 @@ std::size_t FluidSolver::size() const {
 }
 
 std::vector<std::size_t> FluidSolver::taken() const {
+  if (state_->options.outflows.empty()) return {};  // nothing is to be collected
   return state_->outflows.taken(state_->all_particles(true));
+}
+
+/// As quantile(): of several ranks by halving the range of the numbers' bits, which ascend with them.
+double FluidSolver::State::fast_speed(double share) const {
+  if (total_size(particles) == 0) return 0;
+  std::vector<double> speed(particles.size());
+  parallel_for(speed.size(),
+               [&](std::size_t i) { speed[i] = particles.velocity[i].head<3>().cast<double>().norm(); });
+  if (ranks == nullptr) return quantile(speed, share);
+  auto left = static_cast<std::uint64_t>(share * static_cast<double>(total_size(particles) - 1));
+  std::span<double> within(speed);  // what may be it
+  double least = 0;
+  for (std::uint64_t bit = std::uint64_t{1} << 62; bit != 0; bit >>= 1) {
+    const double middle = std::bit_cast<double>(std::bit_cast<std::uint64_t>(least) | bit);
+    const auto upper = std::partition(within.begin(), within.end(), [&](double v) { return v < middle; });
+    const auto lower = static_cast<std::size_t>(upper - within.begin());
+    const std::uint64_t below = ranks->sum(std::uint64_t{lower});
+    if (left < below) {
+      within = within.first(lower);
+    } else {
+      left -= below;
+      least = middle;
+      within = within.subspan(lower);
+    }
+  }
+  return least;
+}
+
+double FluidSolver::fast_speed(double share) const {
+  double speed = 0;
+  state_->together({RankTask::find_speed, share}, [&] { speed = state_->fast_speed(share); });
+  return speed;
 }
 
 std::vector<BodyState> FluidSolver::bodies() const {
@@ -174,12 +213,12 @@ std::vector<BodyState> FluidSolver::bodies() const {
   return result;
 }
 
-Particles FluidSolver::particles() const {
-  const FluidParticles& p = state_->all_particles(true);
+Particles FluidSolver::particles(Whose whose) const {
+  const FluidParticles& p = state_->particles_of(whose, true);
+  const std::size_t n = p.size();
   const std::vector<std::uint32_t> order = order_by_id(p);
-  Particles result{state_->time, std::vector<std::int64_t>(size()), std::vector<Vec3>(size()),
-                   std::vector<Vec3>(size())};
-  for (std::size_t k = 0; k < size(); ++k) {
+  Particles result{state_->time, std::vector<std::int64_t>(n), std::vector<Vec3>(n), std::vector<Vec3>(n)};
+  for (std::size_t k = 0; k < n; ++k) {
     const std::uint32_t i = order[k];
     result.id[k] = p.id[i];
     result.position[k] = p.position[i].head<3>().cast<double>();
@@ -188,34 +227,34 @@ Particles FluidSolver::particles() const {
   return result;
 }
 
-std::vector<float> FluidSolver::densities() const {
-  const FluidParticles& p = state_->all_particles(false);
+std::vector<float> FluidSolver::densities(Whose whose) const {
+  const FluidParticles& p = state_->particles_of(whose, false);
   return values_by_id<float>(p, [&](std::size_t i) {
     return static_cast<float>(state_->options.rest_density(p.fluid[i])) * p.density[i];
   });
 }
 
-std::vector<float> FluidSolver::pressures() const {
-  const FluidParticles& p = state_->all_particles(false);
+std::vector<float> FluidSolver::pressures(Whose whose) const {
+  const FluidParticles& p = state_->particles_of(whose, false);
   return values_by_id<float>(p, [&](std::size_t i) {
     return static_cast<float>(state_->options.density) * p.density[i] * p.density[i] *
            (p.density_pressure[i] + p.divergence_pressure[i]);
   });
 }
 
-std::vector<std::uint8_t> FluidSolver::fluids() const {
-  const FluidParticles& p = state_->all_particles(false);
+std::vector<std::uint8_t> FluidSolver::fluids(Whose whose) const {
+  const FluidParticles& p = state_->particles_of(whose, false);
   return values_by_id<std::uint8_t>(p, [&](std::size_t i) { return p.fluid[i]; });
 }
 
-std::vector<double> FluidSolver::temperatures() const {
+std::vector<double> FluidSolver::temperatures(Whose whose) const {
   if (!state_->options.heat) return {};
-  const FluidParticles& p = state_->all_particles(false);
+  const FluidParticles& p = state_->particles_of(whose, false);
   return values_by_id<double>(p, [&](std::size_t i) { return p.temperature[i]; });
 }
 
-std::vector<int> FluidSolver::sources() const {
-  const FluidParticles& p = state_->all_particles(false);
+std::vector<int> FluidSolver::sources(Whose whose) const {
+  const FluidParticles& p = state_->particles_of(whose, false);
   return values_by_id<int>(p, [&](std::size_t i) { return p.source[p.id[i]]; });
 }
 

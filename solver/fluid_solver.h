@@ -50,6 +50,9 @@ struct SolverMemory {
   std::size_t wall_particles = 0;
 };
 
+/// Whose particles: of all ranks that share the liquid, known to the first one, or a rank's own.
+enum class Whose { all, own };
+
 /// What a solver has saved, see core/saved_state.h, as it is.
 struct SavedFluid {
   double time = 0;  ///< [s]
@@ -90,7 +93,7 @@ class FluidSolver {
 
   /// Of ranks above 0, which nothing else is asked of: does with the first rank what that is asked to do,
   /// until that is of no concern to the solver. Returns what it is.
-  RankTask follow();
+  RankOrder follow();
   /// Of each rank that shares the liquid; none without ranks.
   std::vector<RankShare> shares() const;
 
@@ -100,13 +103,14 @@ class FluidSolver {
   /// Particles that each outflow region has taken away since t = 0.
   std::vector<std::size_t> taken() const;
   std::vector<BodyState> bodies() const;  ///< now, in the order given
-  Particles particles() const;            ///< now, sorted by id
+  double fast_speed(double share) const;  ///< quantile() of the particles' speeds [m/s]
   SolverMemory memory() const;
-  std::vector<float> densities() const;      ///< by id [kg/m3]
-  std::vector<float> pressures() const;      ///< by id [Pa]
-  std::vector<std::uint8_t> fluids() const;  ///< by id, which fluid
-  std::vector<int> sources() const;          ///< by id, as given, or of the emitter
-  std::vector<double> temperatures() const;  ///< by id [K]; empty without heat
+  Particles particles(Whose whose = Whose::all) const;               ///< now, sorted by id
+  std::vector<float> densities(Whose whose = Whose::all) const;      ///< by id [kg/m3]
+  std::vector<float> pressures(Whose whose = Whose::all) const;      ///< by id [Pa]
+  std::vector<std::uint8_t> fluids(Whose whose = Whose::all) const;  ///< by id, which fluid
+  std::vector<int> sources(Whose whose = Whose::all) const;          ///< by id, as given, or of the emitter
+  std::vector<double> temperatures(Whose whose = Whose::all) const;  ///< by id [K]; empty without heat
 
   /// See core/saved_state.h; for a solver that was made with the same arguments.
   template <class Archive>

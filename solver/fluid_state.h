@@ -67,6 +67,10 @@ struct FluidSolver::State {
   std::vector<RankShare> shares() const;
   /// Of all ranks, on the first: state and densities, or only id, position and velocity.
   const FluidParticles& all_particles(bool motion);
+  const FluidParticles& particles_of(Whose whose, bool motion) {
+    return whose == Whose::own ? particles : all_particles(motion);
+  }
+  double fast_speed(double share) const;
   void collect(bool motion);
   void restart();
   void share_restored();

@@ -21,12 +21,15 @@ enum class RankTask : std::int64_t {
   collect_all,
   collect_shares,
   restore,
-  serve  ///< the liquid is that of the others alone
+  find_speed,      ///< below which a share of the particles is
+  serve,           ///< the liquid is that of the others alone; value: whether all of its particles are told
+  find_near,       ///< particles near the surface; value: whether all that is known of them
+  write_particles  ///< each its own
 };
 
 struct RankOrder {
   RankTask task = RankTask::end;
-  double value = 0;  ///< of a step: the time left for it [s]
+  double value = 0;  ///< of a step: the time left for it [s]; of find_speed: the share
 };
 
 /// What a rank has sent since the start, and how long it was, awake, at that and at waiting for the others
@@ -156,8 +159,8 @@ class Ranks {
     return all;
   }
   /// Rank 0's values to all.
-  template <class T>
-  void broadcast_values(std::vector<T>& values) {
+  template <class Values>
+  void broadcast_values(Values& values) {
     std::uint64_t count = values.size();
     broadcast(bytes_in(std::span(&count, 1)));
     values.resize(count);

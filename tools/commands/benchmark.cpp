@@ -229,7 +229,7 @@ void follow_benchmark(const BenchmarkOptions& options) {
     if (task == RankTask::end) return;
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                     static_cast<std::size_t>(threads));
-    task = solver_of(sized, options.ranks).follow();
+    task = solver_of(sized, options.ranks).follow().task;
   });
 }
 

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "core/bytes.h"
 #include "core/parallel.h"
+#include "solver/rank_exchange.h"
 
 namespace kappaflow {
 namespace {
@@ -17,6 +19,19 @@ constexpr std::int64_t kFarthest = std::int64_t{1} << 20;  // from the origin: k
 
 std::int64_t block_with(std::int64_t node) {
   return node >> 3;
+}
+
+std::vector<std::size_t> summed(Ranks& ranks, const std::vector<std::size_t>& count) {
+  const std::vector<std::size_t> all =
+      ranks.gathered(std::span(count), std::vector<std::size_t>(ranks.size(), count.size()));
+  std::vector<std::size_t> sum(count.size());
+  for (std::size_t k = 0; k < all.size(); ++k) sum[k % sum.size()] += all[k];
+  return sum;
+}
+
+template <std::size_t n>
+void add_to(std::array<float, n>& sums, const std::array<float, n>& more) {
+  for (std::size_t k = 0; k < n; ++k) sums[k] += more[k];
 }
 
 /// Along its edge.
@@ -38,7 +53,7 @@ LiquidDepth::Node LiquidDepth::node_at(const Vec3& x) const {
   return node;
 }
 
-std::array<float, LiquidDepth::kNodes>& LiquidDepth::sums_of(const Node& block) {
+LiquidDepth::Sums& LiquidDepth::sums_of(const Node& block) {
   const auto [at, is_new] = block_of_.try_emplace(key_of(block), static_cast<std::uint32_t>(block_.size()));
   if (is_new) {
     block_.push_back(block);
@@ -56,11 +71,21 @@ void LiquidDepth::add(std::span<const Vec3> position) {
   }
 }
 
+void LiquidDepth::add(LiquidDepth others) {
+  if (scattered_ || others.scattered_) return give_up();
+  for (std::size_t b = 0; b < others.block_.size(); ++b) add_to(sums_of(others.block_[b]), others.sums_[b]);
+  added_ += others.added_;
+}
+
 void LiquidDepth::give_up() {
   scattered_ = true;
+  forget();
+}
+
+void LiquidDepth::forget() {
   block_of_.clear();
   block_ = std::vector<Node>();
-  sums_ = std::deque<std::array<float, kNodes>>();
+  sums_ = std::deque<Sums>();
 }
 
 void LiquidDepth::add(const Vec3& x) {
@@ -84,7 +109,7 @@ void LiquidDepth::add(const Vec3& x) {
   for (Node b{0, 0, first[2]}; b[2] <= last[2]; ++b[2])
     for (b[1] = first[1]; b[1] <= last[1]; ++b[1])
       for (b[0] = first[0]; b[0] <= last[0]; ++b[0]) {
-        std::array<float, kNodes>& sums = sums_of(b);
+        Sums& sums = sums_of(b);
         nodes(b[2], 2, [&](std::size_t k, double z2) {
           nodes(b[1], 1, [&](std::size_t j, double y2) {
             nodes(b[0], 0, [&](std::size_t i, double x2) {
@@ -96,18 +121,66 @@ void LiquidDepth::add(const Vec3& x) {
       }
 }
 
+/// Own blocks that reach into what the zones of others follow from.
+std::vector<std::vector<LiquidDepth::SharedBlock>> LiquidDepth::blocks_for(Ranks& ranks) const {
+  constexpr std::int64_t kReach = 2;  // blocks: no less than the sum of kWidths
+  struct Box {
+    Node low, high;
+  };
+  Box own{{kFarthest, kFarthest, kFarthest}, {-kFarthest, -kFarthest, -kFarthest}};
+  for (const Node& block : block_)
+    for (int a = 0; a < 3; ++a) {
+      own.low[a] = std::min(own.low[a], block[a] - kReach);
+      own.high[a] = std::max(own.high[a], block[a] + kReach);
+    }
+  const std::vector<Box> boxes = ranks.one_of_each(own);
+  std::vector<std::vector<SharedBlock>> sent(boxes.size());
+  for (std::size_t r = 0; r < boxes.size(); ++r) {
+    if (static_cast<int>(r) == ranks.rank()) continue;
+    const auto [low, high] = boxes[r];
+    for (std::size_t b = 0; b < block_.size(); ++b) {
+      const Node& at = block_[b];
+      if (low[0] <= at[0] && at[0] <= high[0] && low[1] <= at[1] && at[1] <= high[1] && low[2] <= at[2] &&
+          at[2] <= high[2])
+        sent[r].push_back({at, sums_[b]});
+    }
+  }
+  return sent;
+}
+
+void LiquidDepth::add(std::span<const SharedBlock> blocks, int rank) {
+  for (const SharedBlock& from : blocks) {
+    Sums& sums = sums_of(from.block);
+    if (first_.size() < block_.size()) first_.push_back(rank);
+    add_to(sums, from.sums);
+  }
+}
+
+/// Adds what others have in the blocks around own ones, in the order of the ranks, so that all who know a
+/// block have the same sums.
+void LiquidDepth::share(Ranks& ranks) {
+  if (ranks.max(scattered_ ? 1 : 0) > 0) return give_up();
+  const std::vector<std::vector<SharedBlock>> others = swapped(ranks, blocks_for(ranks));
+  std::vector<SharedBlock> own(block_.size());
+  for (std::size_t b = 0; b < own.size(); ++b) own[b] = {block_[b], sums_[b]};
+  forget();
+  for (int r = 0; r < ranks.size(); ++r)
+    add(r == ranks.rank() ? own : others[static_cast<std::size_t>(r)], r);
+}
+
 /// That of which there are most nodes among those above a sum that only the inside has.
-void LiquidDepth::find_inside() {
+void LiquidDepth::find_inside(Ranks* ranks) {
   constexpr double kBin = 0.01, kLeast = 1.5, kMost = 1e6;  // kBin: of the logarithm
   std::vector<std::size_t> count(static_cast<std::size_t>(std::log(kMost / kLeast) / kBin) + 1);
-  std::size_t all = 0;
-  for (const auto& sums : sums_)
-    for (const float sum : sums)
-      if (static_cast<double>(sum) > kLeast) {
+  for (std::size_t b = 0; b < sums_.size(); ++b) {
+    if (ranks != nullptr && first_[b] != ranks->rank()) continue;  // is counted there
+    for (const float sum : sums_[b])
+      if (static_cast<double>(sum) > kLeast)
         ++count[static_cast<std::size_t>(std::log(std::min(static_cast<double>(sum), kMost) / kLeast) /
                                          kBin)];
-        ++all;
-      }
+  }
+  if (ranks != nullptr) count = summed(*ranks, count);
+  const std::size_t all = std::accumulate(count.begin(), count.end(), std::size_t{0});
   if (all == 0) {  // there is no inside: all is near a surface
     inside_ = std::numeric_limits<double>::infinity();
     return;
@@ -146,14 +219,15 @@ void LiquidDepth::dilate(int axis, int radius, const std::vector<Marks>& from, s
   });
 }
 
-void LiquidDepth::measure() {
-  find_inside();
+void LiquidDepth::measure(Ranks* ranks) {
+  if (ranks != nullptr) share(*ranks);
+  find_inside(ranks);
   const std::size_t blocks = block_.size();
   std::vector<Marks> near(blocks), next(blocks);
   parallel_for(blocks, [&](std::size_t b) {
     for (std::size_t n = 0; n < kNodes; ++n) near[b][n] = static_cast<double>(sums_[b][n]) < kFull * inside_;
   });
-  sums_ = std::deque<std::array<float, kNodes>>();
+  sums_ = std::deque<Sums>();
   zones_.resize(blocks);
   for (Marks& zones : zones_) zones.fill(static_cast<std::uint8_t>(Zone::deepest));
   for (std::size_t z = 0; z < kWidths.size(); ++z) {

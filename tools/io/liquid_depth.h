@@ -10,6 +10,7 @@
 
 #include "core/space_cell.h"
 #include "core/types.h"
+#include "solver/ranks.h"
 #include "tools/io/input_frame.h"
 
 namespace kappaflow {
@@ -25,10 +26,13 @@ class LiquidDepth {
       : step_(0.5 * sigma), free_(free) {}
 
   void add(std::span<const Vec3> position);
+  void add(LiquidDepth others);  ///< particles, of a liquid with the same sigma
+
   /// Whether it is given up.
   bool scattered() const { return scattered_; }
-  /// Once all particles are added.
-  void measure();
+  /// Once all particles are added. ranks: that have added particles of one liquid, all of which call it; each
+  /// then knows the zones around its own.
+  void measure(Ranks* ranks = nullptr);
 
   /// Not passing: nothing is known of other frames.
   Zone zone(const Vec3& x) const;
@@ -43,14 +47,24 @@ class LiquidDepth {
   static constexpr int kSide = 8;  // nodes of a block
   static constexpr std::size_t kNodes = kSide * kSide * kSide;
   using Node = std::array<std::int64_t, 3>;
+  using Sums = std::array<float, kNodes>;
   using Marks = std::array<std::uint8_t, kNodes>;
+  struct SharedBlock {
+    Node block;
+    Sums sums;
+  };
 
   static std::uint64_t key_of(const Node& block);
   Node node_at(const Vec3& x) const;
   void add(const Vec3& x);
   void give_up();
-  std::array<float, kNodes>& sums_of(const Node& block);
-  void find_inside();
+  void forget();
+  Sums& sums_of(const Node& block);
+  void share(Ranks& ranks);
+  std::vector<std::vector<SharedBlock>> blocks_for(Ranks& ranks) const;
+  void add(std::span<const SharedBlock> blocks, int rank);
+  void find_inside(Ranks* ranks);
+
   void dilate(int axis, int radius, const std::vector<Marks>& from, std::vector<Marks>& to) const;
   static void fit_to_cubes(Marks& zones);
 
@@ -60,7 +74,9 @@ class LiquidDepth {
   double inside_ = 0;
   std::unordered_map<std::uint64_t, std::uint32_t> block_of_;
   std::vector<Node> block_;
-  std::deque<std::array<float, kNodes>> sums_;  // grow without a copy
+  std::deque<Sums> sums_;   // grow without a copy
+  std::vector<int> first_;  // by block, where ranks share the liquid: the first of those that have some in it
+
   std::vector<Marks> zones_;
 };
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/errors.h"
+#include "core/parallel.h"
 #include "surface/field/particle_motion.h"
 #include "surface/field/particle_weights.h"
 #include "tools/io/liquid_depth.h"
@@ -34,7 +35,13 @@ class Choice {
     has_sources_ = has_sources_ && piece.source.size() == piece.position.size();
     if (!has_sources_)
       for (InputFrame* frame : {&piece, &frame_, &others_}) frame->source.clear();
-    for (std::size_t i = 0; i < piece.position.size(); ++i) add(piece, i);
+    for (std::size_t i = 0; i < piece.position.size(); ++i) add(piece, i, depth_.zone(piece.position[i]));
+  }
+
+  /// Of particles that others have chosen, by the same lattice.
+  void add_chosen(const InputFrame& chosen) {
+    frame_.all += chosen.all;
+    for (std::size_t i = 0; i < chosen.position.size(); ++i) add(chosen, i, chosen.zone[i]);
   }
 
   InputFrame result() {
@@ -60,9 +67,8 @@ class Choice {
     Zone zone = Zone::deep;
   };
 
-  void add(const InputFrame& piece, std::size_t i) {
+  void add(const InputFrame& piece, std::size_t i, Zone zone) {
     const Vec3& x = piece.position[i];
-    const Zone zone = depth_.zone(x);
     if (zone < Zone::deep) {
       copy(piece, i, frame_, zone);
       return;
@@ -108,6 +114,22 @@ class Choice {
   std::vector<Chosen> in_use_;
   bool has_sources_ = true;
 };
+
+/// In so many parts, whatever the number of threads.
+LiquidDepth depth_of(std::span<const Vec3> position, double sigma, Ranks* ranks) {
+  constexpr std::size_t kParts = 16;
+  std::vector<LiquidDepth> part(kParts, LiquidDepth(sigma));
+  parallel_for(
+      kParts,
+      [&](std::size_t p) {
+        const std::size_t begin = p * position.size() / kParts, end = (p + 1) * position.size() / kParts;
+        part[p].add(position.subspan(begin, end - begin));
+      },
+      1);
+  for (std::size_t p = 1; p < kParts; ++p) part[0].add(std::exchange(part[p], LiquidDepth(sigma)));
+  part[0].measure(ranks);
+  return std::move(part[0]);
+}
 
 LiquidDepth depth_of(std::span<const fs::path> files, double sigma) {
   LiquidDepth depth(sigma);
@@ -159,6 +181,25 @@ InputFrame read_near_surface(std::span<const fs::path> files, double sigma,
   InputFrame frame = choice.result();
   frame.fast_speed = fast;
   return frame;
+}
+
+InputFrame near_surface_of(InputFrame own, double sigma, Ranks* ranks) {
+  const LiquidDepth depth = depth_of(own.position, sigma, ranks);
+  Choice choice(depth, {});
+  choice.add(std::move(own));
+  InputFrame chosen = choice.result();
+  if (ranks == nullptr) return chosen;
+  const std::vector<std::size_t> counts = ranks->one_of_each(chosen.position.size());
+  InputFrame of_all;
+  of_all.all = ranks->sum(chosen.all);
+  for_each_array(chosen, of_all, [&](const auto& from, auto& to) {
+    if (ranks->max(from.size()) > 0) to = ranks->gathered_to_first(std::span(from), counts);
+  });
+  of_all.zone = ranks->gathered_to_first(std::span<const Zone>(chosen.zone), counts);
+  if (ranks->rank() > 0) return {};
+  Choice once(depth, {});  // of two ranks that have particles in a cube one is chosen
+  once.add_chosen(of_all);
+  return once.result();
 }
 
 double scale_of(Zone zone) {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <span>
 
+#include "solver/ranks.h"
 #include "tools/io/input_frame.h"
 
 namespace kappaflow {
@@ -16,6 +17,10 @@ namespace kappaflow {
 /// of them. sigma: support radius of the field [m]. Throws what read_input_frame() throws.
 InputFrame read_near_surface(std::span<const std::filesystem::path> files, double sigma,
                              std::span<const std::int64_t> before);
+
+/// The same of a liquid at hand, of which `own` may be the part of one of several ranks: all of them call it,
+/// and the first gets what is kept of all, the others nothing. fast_speed is 0.
+InputFrame near_surface_of(InputFrame own, double sigma, Ranks* ranks);
 
 /// How many times the support radius of the others a particle has that stands for a cube.
 double scale_of(Zone zone);

@@ -134,6 +134,29 @@ vtkSmartPointer<vtkPolyData> boundary_data(std::span<const TriangleSurface> wall
   return data;
 }
 
+std::string pvtp_text(vtkPolyData& like, std::span<const std::string> pieces) {
+  std::string arrays;
+  vtkPointData& data = *like.GetPointData();
+  const auto type_of = [](vtkDataArray& array) {
+    const char* const kind = array.GetDataType() == VTK_FLOAT || array.GetDataType() == VTK_DOUBLE ? "Float"
+                             : array.GetDataTypeMin() < 0                                          ? "Int"
+                                                                                                   : "UInt";
+    return fmt::format("{}{}", kind, 8 * array.GetDataTypeSize());
+  };
+  for (int a = 0; a < data.GetNumberOfArrays(); ++a)
+    arrays += fmt::format("      <PDataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\"/>\n",
+                          type_of(*data.GetArray(a)), data.GetArray(a)->GetName(),
+                          data.GetArray(a)->GetNumberOfComponents());
+  std::string sources;
+  for (const std::string& piece : pieces) sources += fmt::format("    <Piece Source=\"{}\"/>\n", piece);
+  return fmt::format(
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"PPolyData\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
+      "  <PPolyData GhostLevel=\"0\">\n    <PPointData>\n{}    </PPointData>\n"
+      "    <PPoints>\n      <PDataArray type=\"{}\" Name=\"Points\" NumberOfComponents=\"3\"/>\n    "
+      "</PPoints>\n{}  </PPolyData>\n</VTKFile>\n",
+      arrays, type_of(*like.GetPoints()->GetData()), sources);
+}
+
 void write_vtp(const std::filesystem::path& path, vtkPolyData& data) {
   auto writer = vtkSmartPointer<vtkXMLPolyDataWriter>::New();
   auto errors = vtkSmartPointer<ErrorListener>::New();

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/solids.h"
@@ -39,6 +40,10 @@ vtkSmartPointer<vtkPolyData> surface_data(const SurfaceFrame& frame);
 
 /// All walls as one surface; cell array wall = index of the wall.
 vtkSmartPointer<vtkPolyData> boundary_data(std::span<const TriangleSurface> walls);
+
+/// The text of a .pvtp file. like: polydata with the arrays at points that the pieces have; pieces: their
+/// names, relative to it.
+std::string pvtp_text(vtkPolyData& like, std::span<const std::string> pieces);
 
 /// Writes VTK XML, inline binary, compressed by zlib: the form that every ParaView from 5.0 on reads. Throws
 /// IoError.

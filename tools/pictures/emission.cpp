@@ -17,7 +17,7 @@ namespace {
 
 FileSeries particle_files(const RunFrames& frames, int last) {
   FileSeries series;
-  for (int frame = 0; frame <= last; ++frame) series.files.push_back(frames.folder() / particle_file(frame));
+  for (int frame = 0; frame <= last; ++frame) series.files.push_back(particles_of(frames.folder(), frame));
   return series;
 }
 

@@ -73,11 +73,11 @@ vtkSmartPointer<vtkPolyData> RunFrames::walls(int frame) const {
 }
 
 bool RunFrames::has_particles() const {
-  return fs::exists(folder_ / particle_file(0)) && fs::exists(folder_ / particle_file(count_ - 1));
+  return fs::exists(particles_of(folder_, 0)) && fs::exists(particles_of(folder_, count_ - 1));
 }
 
 InputFrame RunFrames::particles(int frame) const {
-  return read_input_frame(folder_ / particle_file(frame));
+  return read_input_frame(particles_of(folder_, frame));
 }
 
 bool RunFrames::walls_move() const {

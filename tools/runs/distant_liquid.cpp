@@ -11,6 +11,8 @@
 #include <utility>
 
 #include "core/errors.h"
+#include "core/state_bytes.h"
+#include "tools/runs/near_liquid.h"
 
 namespace kappaflow {
 
@@ -22,7 +24,7 @@ void serialize(Archive& archive, FluidStep& step) {
 }
 template <class Archive>
 void serialize(Archive& archive, LiquidStep& step) {
-  archive(step.last, step.seconds, step.now, step.surfaces_follow);
+  archive(step.last, step.seconds, step.surfaces_follow, step.now);
 }
 template <class Archive>
 void serialize(Archive& archive, BodyState& body) {
@@ -34,8 +36,17 @@ void serialize(Archive& archive, ParticleFrame& frame) {
   archive(frame.particles, frame.density, frame.pressure, frame.source, frame.temperature);
 }
 template <class Archive>
+void serialize(Archive& archive, Compression& compression) {
+  archive(compression.mean, compression.max);
+}
+template <class Archive>
+void serialize(Archive& archive, TemperatureRange& range) {
+  archive(range.min, range.mean, range.max);
+}
+template <class Archive>
 void serialize(Archive& archive, LiquidRecord& record) {
-  archive(record.particles, record.fluid, record.taken, record.bodies);
+  archive(record.particles, record.count, record.compression, record.temperature, record.taken,
+          record.bodies);
 }
 
 namespace {
@@ -43,7 +54,8 @@ namespace {
 constexpr int kSurfaces = 0, kLiquid = 1;  // ranks
 
 enum class Order : std::int64_t {
-  begin,    // from t = 0
+  write,    // the particles at t = 0
+  begin,    // from there
   restore,  // from the state that follows
   go_on,    // send the next news
   save,     // and the state with it
@@ -82,16 +94,12 @@ std::string receive(Ranks& ranks, int from) {
 
 template <class... Values>
 void send_values(Ranks& ranks, int to, const Values&... values) {
-  std::ostringstream text;
-  StateWriter(text, little_endian())(values...);
-  send(ranks, to, std::move(text).str());
+    send(ranks, to, state_bytes(values...));
 }
 
 template <class... Values>
 void receive_values(Ranks& ranks, int from, Values&... values) {
-  std::istringstream text(receive(ranks, from));
-  StateReader archive(text);
-  archive(values...);
+    read_state_bytes(receive(ranks, from), values...);
 }
 
 Order next_order(Ranks& ranks) {
@@ -117,25 +125,37 @@ class LiquidServer {
  public:
   LiquidServer(const Scene& scene, Ranks& ranks) : scene_(scene), ranks_(ranks) {}
 
-  /// ranks: that share the liquid, or nullptr.
-  void serve(PreparedScene& prepared, Ranks* ranks) {
+  /// ranks: that share the liquid, or nullptr. all: whether all particles are told.
+  void serve(PreparedScene& prepared, Ranks* ranks, bool all) {
     std::unique_ptr<Liquid> liquid;
     try {
-      liquid = own_liquid(prepared, ranks);
+      if (all)
+        liquid = own_liquid(prepared, ranks);
+      else
+        liquid = std::make_unique<NearLiquid>(scene_, make_fluid(prepared, ranks), ranks);
     } catch (const InvalidInput& error) {
       return tell(failure_of(error));
     } catch (const SolverFailure& error) {
       return tell(failure_of(error));
     }
-    tell(news_of(*liquid, true));
+    tell(news_of(*liquid, true, true));
     if (begin(*liquid)) run(*liquid);
   }
 
  private:
   /// Returns whether to go on.
   bool begin(Liquid& liquid) {
-    const Order order = next_order(ranks_);
-    if (order != Order::restore) return order != Order::end;
+    Order order = next_order(ranks_);
+    if (order == Order::write) {
+      std::string folder;
+      receive_values(ranks_, kSurfaces, folder);
+      liquid.write_particles(folder, 0);
+      send_values(ranks_, kSurfaces, true);
+      order = next_order(ranks_);
+    }
+    if (order == Order::end) return false;
+    receive_values(ranks_, kSurfaces, folder_);
+    if (order == Order::begin) return true;
     std::string state;
     receive_values(ranks_, kSurfaces, liquid.pace(), state);
     std::istringstream text(state);
@@ -152,7 +172,7 @@ class LiquidServer {
         ++frame;
         continue;
       }
-      News news = next(liquid, frame_time(scene_, frame + 1));
+      News news = next(liquid, frame + 1);
       const Order order = next_order(ranks_);
       if (order == Order::end) return;
       if (order == Order::save && news.failure.empty() && news.state.empty()) news.state = state_of(liquid);
@@ -163,8 +183,9 @@ class LiquidServer {
     next_order(ranks_);  // nothing comes but the end
   }
 
-  /// As far as the surfaces may wait.
-  News next(Liquid& liquid, double until) {
+  /// As far as the surfaces may wait, or to the frame.
+  News next(Liquid& liquid, int frame) {
+    const double until = frame_time(scene_, frame);
     LiquidStep all;
     try {
       do {
@@ -175,7 +196,9 @@ class LiquidServer {
       if (liquid.can_be_asked()) news.record = liquid.record();
       return news;
     }
-    News news = news_of(liquid, is_reached(liquid.time(), until));
+    const bool in_frame = is_reached(liquid.time(), until);
+    if (in_frame) liquid.write_particles(folder_, frame);
+    News news = news_of(liquid, in_frame, has_checkpoint(scene_, frame));
     news.step = std::move(all);
     return news;
   }
@@ -189,13 +212,12 @@ class LiquidServer {
     all = std::move(step);
   }
 
-  static News news_of(Liquid& liquid, bool in_frame) {
+  static News news_of(Liquid& liquid, bool in_frame, bool is_saved) {
     News news;
     news.time = liquid.time();
     news.steps = liquid.steps();
-    if (!in_frame) return news;
-    news.record = liquid.record();
-    news.state = state_of(liquid);
+    if (in_frame) news.record = liquid.record();
+    if (in_frame && is_saved) news.state = state_of(liquid);
     return news;
   }
 
@@ -207,21 +229,29 @@ class LiquidServer {
   }
 
   void tell(News news) {
-    std::ostringstream text;
-    StateWriter(text, little_endian())(news);
+        std::string bytes = state_bytes(news);
     news = {};  // large
-    send(ranks_, kSurfaces, std::move(text).str());
+    send(ranks_, kSurfaces, std::move(bytes));
   }
 
   const Scene& scene_;
   Ranks& ranks_;
+  std::string folder_;  // of the run
 };
+
+/// What the others of those that share it do.
+void follow_liquid(PreparedScene& prepared, Ranks& ranks) {
+  FluidSolver fluid = make_fluid(prepared, &ranks);
+  LiquidPart part(prepared.scene, fluid, &ranks);
+  for (RankOrder order = fluid.follow(); order.task != RankTask::end; order = fluid.follow())
+    part.follow(order);
+}
 
 }  // namespace
 
-DistantLiquid::DistantLiquid(const PreparedScene& prepared, Ranks& ranks)
-    : Liquid(prepared.scene), prepared_(prepared), ranks_(ranks) {
-  ranks_.announce({RankTask::serve});
+DistantLiquid::DistantLiquid(const PreparedScene& prepared, Ranks& ranks, std::filesystem::path folder)
+    : Liquid(prepared.scene), prepared_(prepared), ranks_(ranks), folder_(std::move(folder)) {
+  ranks_.announce({RankTask::serve, tells_all() ? 1.0 : 0.0});
   ranks_.others();
   News news;
   receive_values(ranks_, kLiquid, news);
@@ -241,8 +271,9 @@ DistantLiquid::~DistantLiquid() {
 
 void DistantLiquid::begin() {
   begun_ = true;
-  if (!restored_) return send_values(ranks_, kLiquid, Order::begin);
-  send_values(ranks_, kLiquid, Order::restore);
+  send_values(ranks_, kLiquid, restored_ ? Order::restore : Order::begin);
+  send_values(ranks_, kLiquid, folder_.string());
+  if (!restored_) return;
   send_values(ranks_, kLiquid, pace(), saved_);
   pace().follow();  // from here on the others keep it
 }
@@ -263,6 +294,17 @@ LiquidStep DistantLiquid::step(double /*until*/, bool last) {
   return std::move(news.step);
 }
 
+/// After the start the others have written them before they told of the frame.
+void DistantLiquid::write_particles(const std::filesystem::path& folder, int /*frame*/) {
+  if (tells_all() || begun_) return;
+  ranks_.start();
+  send_values(ranks_, kLiquid, Order::write);
+  send_values(ranks_, kLiquid, folder.string());
+  bool done = false;
+  receive_values(ranks_, kLiquid, done);
+  ranks_.finish();
+}
+
 void DistantLiquid::write_state(StateWriter& archive) {
   constexpr std::size_t kOrderOfBytes = 1;  // that an archive begins with
   archive(cereal::binary_data(saved_.data() + kOrderOfBytes, saved_.size() - kOrderOfBytes));
@@ -277,14 +319,14 @@ void DistantLiquid::read_state(StateReader& archive) {
   restored_ = true;
 }
 
-void serve_liquid(PreparedScene prepared, Ranks& ranks) {
+void serve_liquid(PreparedScene prepared, Ranks& ranks, const RankOrder& order) {
   const std::unique_ptr<Ranks> part = ranks.others();
   Ranks* const shared = part->size() > 1 ? part.get() : nullptr;
   if (part->rank() == 0) {
-    LiquidServer(prepared.scene, ranks).serve(prepared, shared);
+    LiquidServer(prepared.scene, ranks).serve(prepared, shared, order.value != 0);
     if (shared != nullptr) shared->announce({RankTask::end});
   } else if (shared->next_order().task == RankTask::make) {
-    make_fluid(prepared, shared).follow();
+    follow_liquid(prepared, *shared);
   }
 }
 

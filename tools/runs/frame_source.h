@@ -21,7 +21,9 @@ namespace kappaflow {
 /// What there is to write of a frame beside its surfaces, and what happened since the frame before.
 struct FrameReport {
   ParticleFrame particles;  ///< empty where there are none
-  FrameMetrics metrics;     ///< without the isosurface
+  int pieces = 0;  ///< in so many others have written the particles, of which only some are here; 0: all are
+
+  FrameMetrics metrics;  ///< without the isosurface
   /// Walls, then bodies, where they are in this frame; empty where none ever moves.
   std::vector<TriangleSurface> walls;
   std::vector<BodyState> bodies;
@@ -47,6 +49,9 @@ class FrameSource {
   virtual bool advance(int frame, const Watch& watch) = 0;
   /// Whether what was stopped on the way can be saved and gone on with.
   virtual bool saves_between_frames() const = 0;
+  /// Whether what is reached can be saved: not in frames without a checkpoint where others must be asked for
+  /// it, one step later.
+  virtual bool can_be_saved() const { return true; }
 
   virtual double time() const = 0;        ///< that is reached [s]
   virtual std::size_t steps() const = 0;  ///< so far
@@ -61,6 +66,10 @@ class FrameSource {
 
   /// Of the frame that is reached; once a frame.
   virtual FrameReport take_report(int frame) = 0;
+
+  /// Where FrameReport has pieces: sees to it that those of the frame that is reached are in the run's
+  /// folder.
+  virtual void write_particles(const std::filesystem::path& /*folder*/, int /*frame*/) {}
 
   /// Sees to it that the particles of a failure are in a file, `file` where they are in none, and says so.
   virtual std::string kept_particles(const std::filesystem::path& file) const = 0;

@@ -88,6 +88,7 @@ void FrameWriter::write(int frame, FrameSource& source, RunSummary& summary) {
   write_walls(report);
   if (const ParticleFieldOptions* field = source.particle_field()) {
     metrics.particles_outside = points_outside(surfaces_.field(), report.particles.particles.position);
+    if (report.pieces > 0) source.write_particles(folder_.place(), frame);
     write_particles(report, *field);
   }
   const double shared_seconds = watch.seconds();
@@ -129,7 +130,9 @@ void FrameWriter::write_particles(const FrameReport& report, const ParticleField
   const std::vector<double> weight =
       field_weights(particles.position, field.sigma, field.weights, particles.scale);
   const auto data = particle_data(report.particles, weight, field.sigma);
+  if (report.pieces > 0) return folder_.list_particles(frame, report.pieces, *data);
   folder_.write_particles(frame, data);
+
   folder_.beside([to = export_, frame, data] { to->write_particles(frame, *data); });
 }
 

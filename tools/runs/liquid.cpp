@@ -8,27 +8,37 @@
 
 namespace kappaflow {
 
-bool SurfacePace::may_wait(const Particles& now, double time_step) {
-  const double way = fast_speed(now) * time_step;
+bool SurfacePace::may_wait(double speed, double time_step) {
+  const double way = speed * time_step;
   way_ += way;
   return way_ + way <= most_;
 }
 
+ParticleFrame particle_frame(const FluidSolver& fluid, Whose whose) {
+  const std::vector<double> temperature = fluid.temperatures(whose);
+  return {fluid.particles(whose), fluid.densities(whose), fluid.pressures(whose), fluid.sources(whose),
+          std::vector<float>(temperature.begin(), temperature.end())};
+}
+
 LiquidRecord OwnLiquid::record() const {
-  const std::vector<double> temperature = fluid_.temperatures();
-  return {{fluid_.particles(), fluid_.densities(), fluid_.pressures(), fluid_.sources(),
-           std::vector<float>(temperature.begin(), temperature.end())},
-          fluid_.fluids(),
-          fluid_.taken(),
-          fluid_.bodies()};
+  LiquidRecord record;
+  record.particles = particle_frame(fluid_);
+  record.count = record.particles.particles.size();
+  record.compression = compression(record.particles.density, fluid_.fluids(), options_);
+  record.temperature = temperature_range(record.particles.temperature);
+  record.taken = fluid_.taken();
+  record.bodies = fluid_.bodies();
+  return record;
 }
 
 LiquidStep OwnLiquid::step(double until, bool /*last*/) {
   LiquidStep result;
   result.seconds = seconds_of([&] { result.last = fluid_.step(until - time()); });
-  result.now = fluid_.particles();
-  result.surfaces_follow = !pace().may_wait(result.now, result.last.time_step) || is_reached(time(), until);
-  if (result.surfaces_follow) pace().follow();
+  const double speed = fluid_.fast_speed(kShareOfFast);
+  result.surfaces_follow = !pace().may_wait(speed, result.last.time_step) || is_reached(time(), until);
+  if (!result.surfaces_follow) return result;
+  pace().follow();
+  result.now = particles();
   return result;
 }
 
@@ -46,6 +56,10 @@ std::unique_ptr<Liquid> own_liquid(PreparedScene& prepared, Ranks* ranks) {
 
 int last_frame_of(const Scene& scene) {
   return static_cast<int>(std::ceil(scene.duration * scene.output.frames_per_second - 1e-9));
+}
+
+bool has_checkpoint(const Scene& scene, int frame) {
+  return frame % scene.output.checkpoint_interval == 0 || frame == last_frame_of(scene);
 }
 
 double frame_time(const Scene& scene, int frame) {

@@ -1,8 +1,9 @@
 // The liquid of a scene, as its surfaces and files see it.
 #pragma once
 
-#include <cstdint>
+#include <filesystem>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -10,6 +11,8 @@
 #include "scenes/prepared_scene.h"
 #include "solver/fluid_solver.h"
 #include "tools/io/particle_frame.h"
+#include "tools/runs/liquid_metrics.h"
+#include "tools/runs/surface_temperature.h"
 
 namespace kappaflow {
 
@@ -20,8 +23,9 @@ class SurfacePace {
   explicit SurfacePace(const Scene& scene)
       : most_(scene.surface.motion_per_step * (scene.surface.sigma * scene.fluid.spacing)) {}
 
-  /// Whether they may wait for one more step of the liquid like the one that led to `now` [s].
-  bool may_wait(const Particles& now, double time_step);
+  /// Whether they may wait for one more step of the liquid like the last one. speed: of fast particles [m/s];
+  /// time_step [s].
+  bool may_wait(double speed, double time_step);
   void follow() { way_ = 0; }
 
   /// See core/saved_state.h.
@@ -39,15 +43,17 @@ class SurfacePace {
 struct LiquidStep {
   FluidStep last;                ///< of the solver; its errors are the largest of all
   double seconds = 0;            ///< wall time
-  Particles now;                 ///< at the end
-  bool surfaces_follow = false;  ///< whether they are to come here
+  bool surfaces_follow = false;  ///< whether the surfaces are to come where it ends
+  Particles now;                 ///< there, if they are
 };
 
 /// All that there is to know of the liquid in a frame.
 struct LiquidRecord {
-  ParticleFrame particles;          ///< sorted by id
-  std::vector<std::uint8_t> fluid;  ///< of each particle
-  std::vector<std::size_t> taken;   ///< by each outflow region since t = 0
+  ParticleFrame particles;  ///< sorted by id; those that Liquid::particles() tells
+  std::size_t count = 0;    ///< of all particles, as is what follows
+  Compression compression;
+  std::optional<TemperatureRange> temperature;  ///< where there is heat
+  std::vector<std::size_t> taken;               ///< by each outflow region since t = 0
   std::vector<BodyState> bodies;
 };
 
@@ -60,13 +66,18 @@ class Liquid {
   virtual int ranks() const = 0;    ///< that share it
   virtual double time() const = 0;  ///< [s]
   virtual std::size_t steps() const = 0;
+  /// Whether particles() tells all of them, else those near the surface: near_surface_of().
+  virtual bool tells_all() const { return true; }
   virtual Particles particles() const = 0;
-  virtual std::vector<int> sources() const = 0;
+  virtual std::vector<int> sources() const = 0;  ///< of these
   virtual std::vector<BodyState> bodies() const = 0;
   /// At t = 0 and in frames.
   virtual LiquidRecord record() const = 0;
   /// Whether a record can be had, after an error.
   virtual bool can_be_asked() const = 0;
+  /// Where not all particles are told: sees to it that those of the frame that is reached are in the run's
+  /// folder, in as many particle_piece()s as ranks.
+  virtual void write_particles(const std::filesystem::path& /*folder*/, int /*frame*/) {}
 
   /// One step towards `until` [s], or several, which is the next frame. last: whether it is to be the last
   /// one, after which can_be_saved().
@@ -83,10 +94,10 @@ class Liquid {
 };
 
 /// A solver of this process, or the first one of the ranks that share the liquid.
-class OwnLiquid final : public Liquid {
+class OwnLiquid : public Liquid {
  public:
   OwnLiquid(const Scene& scene, FluidSolver fluid, int ranks)
-      : Liquid(scene), fluid_(std::move(fluid)), ranks_(ranks) {}
+      : Liquid(scene), options_(scene.fluid), fluid_(std::move(fluid)), ranks_(ranks) {}
 
   int ranks() const override { return ranks_; }
   double time() const override { return fluid_.time(); }
@@ -101,10 +112,17 @@ class OwnLiquid final : public Liquid {
   void write_state(StateWriter& archive) override { archive(fluid_); }
   void read_state(StateReader& archive) override { archive(fluid_); }
 
+ protected:
+  const FluidSolver& fluid() const { return fluid_; }
+
  private:
+  FluidOptions options_;
   FluidSolver fluid_;
   int ranks_;
 };
+
+/// All that a solver knows of its particles.
+ParticleFrame particle_frame(const FluidSolver& fluid, Whose whose = Whose::all);
 
 /// Whether times are the same but for rounding in the solver's sum of time steps [s].
 inline bool is_reached(double time, double until) {
@@ -115,6 +133,8 @@ inline bool is_reached(double time, double until) {
 /// The number of a scene's last frame, which falls on its duration even where that is no multiple of the
 /// frame time.
 int last_frame_of(const Scene& scene);
+/// Whether the frame is one of those after which the run is saved.
+bool has_checkpoint(const Scene& scene, int frame);
 /// Of a frame of the scene [s].
 double frame_time(const Scene& scene, int frame);
 

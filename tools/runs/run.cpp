@@ -58,18 +58,33 @@ bool surfaces_apart(const PreparedScene& prepared, const RunOptions& options) {
   return std::max(liquid / (ranks - 1), surfaces) < liquid / ranks + surfaces;
 }
 
-std::unique_ptr<Liquid> liquid_of(PreparedScene& prepared, const RunOptions& options) {
+/// Whether surfaces that are apart are told of the particles near them alone: where these are many, and
+/// nothing asks for all of them.
+bool near_alone(const PreparedScene& prepared, const RunOptions& options) {
+  const SurfaceDescription& surface = prepared.scene.surface;
+  const SceneEstimate cost = estimate(prepared, 1);
+  const bool all = surface.kernels != Kernels::round || surface.weights != WeightRule::uniform ||
+                   surface.anchor == Anchor::particles ||
+                   std::ranges::count(surface.methods, "fresh-particles") > 0 ||
+                   std::ranges::count(options.formats, MeshFormat::usd) > 0;
+  return !all && cost.particles + cost.emitted > options.many;
+}
+
+/// folder: of the run.
+std::unique_ptr<Liquid> liquid_of(PreparedScene& prepared, const RunOptions& options,
+                                  const fs::path& folder) {
   if (!surfaces_apart(prepared, options)) return own_liquid(prepared, options.ranks);
+  const bool near = near_alone(prepared, options);
   prepared.start = {};
-  return std::make_unique<DistantLiquid>(prepared, *options.ranks);
+  return std::make_unique<DistantLiquid>(prepared, *options.ranks, near ? fs::absolute(folder) : fs::path());
 }
 
 /// Makes the first mesh; until it is there nothing is to be saved, and a signal ends the program at once.
 /// prepared: is to outlive it.
-SceneFrames first_frame(PreparedScene& prepared, const RunOptions& options) {
+SceneFrames first_frame(PreparedScene& prepared, const RunOptions& options, const fs::path& folder) {
   StatusLine status(!options.quiet);
   status.show("making the first mesh");
-  return {prepared, liquid_of(prepared, options)};
+  return {prepared, liquid_of(prepared, options, folder)};
 }
 
 int ranks_of(const RunOptions& options) {
@@ -81,7 +96,7 @@ LiquidPlace place_of_liquid(const PreparedScene& prepared, const RunOptions& opt
   const bool is_apart = surfaces_apart(prepared, options);
   const int without = is_apart ? 1 : 0;
   return {static_cast<double>(options.ranks->on_this_machine() - without) / (options.ranks->size() - without),
-          is_apart};
+          is_apart, is_apart && near_alone(prepared, options)};
 }
 
 RunSummary begin(const RunOptions& options) {
@@ -99,7 +114,7 @@ RunSummary begin(const RunOptions& options) {
   begun_with.scene = fs::absolute(options.scene);  // for whoever resumes it from elsewhere
   RunFolder folder(folder_for(options), scene.surface.methods, options.force);
   folder.write_scene(scene.text);
-  SceneFrames frames = first_frame(prepared, options);
+  SceneFrames frames = first_frame(prepared, options, folder.path());
   const InterruptGuard guard;
   RunDriver driver(frames, folder, settings_for(begun_with, hash, scene), watch);
   folder.write_record(run_record(options, scene, frames));
@@ -140,7 +155,7 @@ RunSummary resume(const RunOptions& options) {
     broadcast_state(*options.ranks, begun_with, hash);
     options.ranks->finish();
   }
-  SceneFrames frames = first_frame(prepared, options);
+  SceneFrames frames = first_frame(prepared, options, folder.path());
   const InterruptGuard guard;
   RunDriver driver(frames, folder, settings_for(begun_with, hash, scene), watch);
   driver.restore(frame, saved);
@@ -162,10 +177,10 @@ void follow_run(const RunOptions& options) {
   PreparedScene prepared = options.resume.empty()
                                ? prepare(scene_for(options, load_scene(options.scene)))
                                : resumed_scene(begun_with, hash, options.resume, options.scene);
-  const RankTask task = ranks.next_order().task;
-  if (task == RankTask::make) make_fluid(prepared, &ranks).follow();
-  if (task != RankTask::serve) return;
-  serve_liquid(std::move(prepared), ranks);
+  const RankOrder order = ranks.next_order();
+  if (order.task == RankTask::make) make_fluid(prepared, &ranks).follow();
+  if (order.task != RankTask::serve) return;
+  serve_liquid(std::move(prepared), ranks, order);
   ranks.next_order();  // the end
 }
 

@@ -8,6 +8,7 @@
 
 #include "solver/ranks.h"
 #include "tools/io/mesh_formats.h"
+#include "tools/io/particle_sequence.h"
 #include "tools/runs/interrupt.h"
 #include "tools/runs/summary.h"
 
@@ -22,10 +23,11 @@ struct RunOptions {
   bool keep_connectivity = false;    ///< no remeshing, whatever the scene says
   std::vector<MeshFormat> formats;   ///< of files for other programs, beside .vtp
   int threads = 1;
-  bool force = false;                ///< replace a run that the folder already holds
-  bool quiet = false;                ///< no progress, no summary
-  std::vector<std::string> command;  ///< the command line, for run.json
-  Ranks* ranks = nullptr;            ///< that share the liquid, this being one of them
+  bool force = false;                        ///< replace a run that the folder already holds
+  bool quiet = false;                        ///< no progress, no summary
+  std::vector<std::string> command;          ///< the command line, for run.json
+  Ranks* ranks = nullptr;                    ///< that share the liquid, this being one of them
+  std::size_t many = ParticleChoice::kMany;  ///< of more particles surfaces apart are told of those near them
 
   /// See core/saved_state.h: what a resumed run takes over.
   template <class Archive>

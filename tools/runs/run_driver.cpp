@@ -68,7 +68,7 @@ RunSummary RunDriver::advance(const InterruptGuard& guard) {
 void RunDriver::advance_frames(const InterruptGuard& guard) {
   const int last = source_.last_frame();
   Progress progress(source_.time(), source_.time_of(last), last, !settings_.quiet);
-  while (frame_ < last && !guard.interrupted()) {
+  while (frame_ < last && !(guard.interrupted() && source_.can_be_saved())) {
     const int next = frame_ + 1;
     source_.prepare(next);
     const bool arrived = go_to(next, [&](const std::string& detail) {
@@ -76,7 +76,8 @@ void RunDriver::advance_frames(const InterruptGuard& guard) {
       return !guard.interrupted();
     });
     if (!arrived && !source_.saves_between_frames()) return;
-    if (guard.interrupted() || frame_ == last || frame_ % settings_.output.checkpoint_interval == 0)
+    if ((guard.interrupted() && source_.can_be_saved()) || frame_ == last ||
+        frame_ % settings_.output.checkpoint_interval == 0)
       write_checkpoint();
   }
 }

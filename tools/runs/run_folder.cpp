@@ -49,7 +49,7 @@ bool is_run_file(const fs::directory_entry& entry) {
 
 bool is_data_file(const fs::directory_entry& entry) {
   const std::string kind = entry.path().extension().string();
-  return kind == ".vtp" || kind == ".tmp" || kind == ".usda" ||
+  return kind == ".vtp" || kind == ".pvtp" || kind == ".tmp" || kind == ".usda" ||
          std::ranges::any_of(kMeshFormats,
                              [&](const auto& format) { return kind == fmt::format(".{}", format.name); });
 }
@@ -127,6 +127,19 @@ bool is_run_folder(const fs::path& folder) {
 
 std::string particle_file(int frame) {
   return fmt::format("particles/particles_{:04}.vtp", frame);
+}
+
+std::string particle_list(int frame) {
+  return fmt::format("particles/particles_{:04}.pvtp", frame);
+}
+
+std::string particle_piece(int frame, int rank) {
+  return fmt::format("particles/particles_{:04}_{}.vtp", frame, rank);
+}
+
+fs::path particles_of(const fs::path& run, int frame) {
+  const fs::path list = run / particle_list(frame);
+  return fs::exists(list) ? list : run / particle_file(frame);
 }
 
 std::string surface_file(const std::string& method, int frame) {
@@ -234,6 +247,15 @@ void RunFolder::write_particles(int frame, vtkSmartPointer<vtkPolyData> data) {
   write_data(particle_file(frame), std::move(data));
 }
 
+void RunFolder::list_particles(int frame, int pieces, vtkPolyData& like) {
+  has_particles_ = true;
+  in_pieces_.insert(frame);
+  std::vector<std::string> names;
+  for (int rank = 0; rank < pieces; ++rank)
+    names.push_back(fs::path(particle_piece(frame, rank)).filename().string());
+  write_text(particle_list(frame), pvtp_text(like, names));
+}
+
 void RunFolder::write_surface(int frame, const std::string& method, vtkSmartPointer<vtkPolyData> data) {
   write_data(surface_file(method, frame), std::move(data));
 }
@@ -280,6 +302,12 @@ void RunFolder::write_checkpoint(std::string state) {
   start_work();
 }
 
+void RunFolder::set_times(std::vector<double> times) {
+  times_ = std::move(times);
+  for (int frame = 0; frame < std::ssize(times_); ++frame)
+    if (fs::exists(folder_ / particle_list(frame))) in_pieces_.insert(frame);
+}
+
 std::vector<MetricsRow> RunFolder::metrics() const {
   return read_metrics(folder_ / kMetricsFile);
 }
@@ -302,7 +330,8 @@ void RunFolder::write_collections() {
       if (file != kBoundaryFile) series[part].push_back({times_[frame], 0, name, file});
       ++part;
     };
-    if (has_particles_) add("particles", particle_file(number));
+    if (has_particles_)
+      add("particles", in_pieces_.contains(number) ? particle_list(number) : particle_file(number));
     for (const std::string& method : methods_) add("surface-" + method, surface_file(method, number));
     if (has_boundary_) add("boundary", boundary_moves_ ? boundary_file(number) : kBoundaryFile);
   }

@@ -30,6 +30,8 @@ struct FrameRows {
 ///   bodies.csv, where there are bodies
 ///   boundary.vtp, or where walls move boundary.pvd  boundary/boundary_0000.vtp ...
 ///   particles.pvd  particles/particles_0000.vtp ...
+///     or where ranks write them particles/particles_0000.pvtp ...  particles/particles_0000_0.vtp ...
+
 ///   surface-<method>.pvd  surface-<method>/surface_0000.vtp ...
 /// and where they are asked for, see frame_export.h:
 ///   surface-<method>/surface_0000.obj ... (.ply, .glb)
@@ -55,6 +57,8 @@ class RunFolder {
   RunFolder& operator=(const RunFolder&) = delete;
 
   const std::filesystem::path& path() const { return folder_; }
+  /// Where files are written now: path(), or inside of it until take_place().
+  const std::filesystem::path& place() const { return place_; }
 
   /// To be called when the run has really begun: its first frame is written. The files of the run that the
   /// folder held are removed, and nothing else, and those of the new one come in their place.
@@ -68,6 +72,8 @@ class RunFolder {
   /// Of one frame of moving walls; for every frame or none.
   void write_boundary(int frame, vtkSmartPointer<vtkPolyData> data);
   void write_particles(int frame, vtkSmartPointer<vtkPolyData> data);
+  /// The particle_list() of pieces that are there already. like: with the same arrays.
+  void list_particles(int frame, int pieces, vtkPolyData& like);
   void write_surface(int frame, const std::string& method, vtkSmartPointer<vtkPolyData> data);
   /// Does what `work` does in its turn among the files; it may call write_export() and nothing else of this.
   void beside(std::function<void()> work);
@@ -81,7 +87,8 @@ class RunFolder {
   void wait();
 
   /// Of a resumed run: the frames that are there already, which serialize() leaves to the caller.
-  void set_times(std::vector<double> times) { times_ = std::move(times); }
+  void set_times(std::vector<double> times);
+
   std::vector<MetricsRow> metrics() const;
 
   /// See core/saved_state.h. Reading cuts the tables back to the rows that they had.
@@ -102,9 +109,12 @@ class RunFolder {
 
   std::filesystem::path folder_;
   FolderLock lock_;
-  std::filesystem::path place_;  // where files are written: folder_, or inside of it until take_place()
+  std::filesystem::path place_;
+
   std::vector<std::string> methods_;
-  std::vector<double> times_;                   // of the finished frames [s]
+  std::vector<double> times_;  // of the finished frames [s]
+  std::set<int> in_pieces_;    // frames whose particles are
+
   std::array<std::uint64_t, 4> table_lines_{};  // of metrics, pieces, timings and bodies; 0: there is none
   bool has_boundary_ = false, boundary_moves_ = false;
   bool has_particles_ = false;               // in the frame that is being written
@@ -118,8 +128,13 @@ bool is_run_folder(const std::filesystem::path& folder);
 
 /// The file of a frame relative to the run folder.
 std::string particle_file(int frame);
+std::string particle_list(int frame);             ///< where they are in pieces
+std::string particle_piece(int frame, int rank);  ///< of those
+
 std::string surface_file(const std::string& method, int frame);
 std::string boundary_file(int frame);
+/// Of that run: particle_list() where it is there, else particle_file().
+std::filesystem::path particles_of(const std::filesystem::path& run, int frame);
 inline constexpr const char* kBoundaryFile = "boundary.vtp";  ///< of walls at rest
 inline constexpr const char* kRecordFile = "run.json";
 inline constexpr const char* kMetricsFile = "metrics.csv";

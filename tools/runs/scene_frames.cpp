@@ -45,16 +45,16 @@ FrameReport SceneFrames::take_report(int frame) {
   LiquidRecord liquid = simulation_.liquid().record();
   report.bodies = std::move(liquid.bodies);
   report.particles = std::move(liquid.particles);
-  set_temperatures(report.particles, surfaces(), metrics);
+  if (!simulation_.liquid().tells_all()) report.pieces = simulation_.liquid().ranks();
+  if (liquid.temperature) set_temperatures(report.particles, *liquid.temperature, surfaces(), metrics);
   const SimulationReport since = simulation_.take_report();
-  metrics.particles = report.particles.particles.size();
+  metrics.particles = liquid.count;
   metrics.particles_taken = std::accumulate(liquid.taken.begin(), liquid.taken.end(), std::size_t{0});
   metrics.taken_by_region = taken_text(liquid.taken);
   metrics.penetration_max =
       penetration_max(report.particles.particles.position, wall_distance_, scene_.fluid.spacing);
-  const Compression now = compression(report.particles.density, liquid.fluid, scene_.fluid);
-  metrics.density_error_mean = std::max(now.mean, since.density_error_mean);
-  metrics.density_error_max = std::max(now.max, since.density_error_max);
+  metrics.density_error_mean = std::max(liquid.compression.mean, since.density_error_mean);
+  metrics.density_error_max = std::max(liquid.compression.max, since.density_error_max);
   metrics.viscosity_error = since.viscosity_error;
   report.steps = since.surfaces;
   report.liquid_seconds = since.solver_seconds;

@@ -21,6 +21,7 @@ class SceneFrames : public FrameSource {
   double time_of(int frame) const override { return frame_time(scene_, frame); }
   bool advance(int frame, const Watch& watch) override;
   bool saves_between_frames() const override { return true; }
+  bool can_be_saved() const override { return simulation_.liquid().can_be_saved(); }
   double time() const override { return simulation_.liquid().time(); }
   std::size_t steps() const override { return simulation_.liquid().steps(); }
   const TrackedSurfaces& surfaces() const override { return simulation_.surfaces(); }
@@ -30,6 +31,9 @@ class SceneFrames : public FrameSource {
   std::vector<TriangleSurface> walls_at_start() const override;
   bool walls_move() const override { return simulation_.solids_move(); }
   FrameReport take_report(int frame) override;
+  void write_particles(const std::filesystem::path& folder, int frame) override {
+    simulation_.liquid().write_particles(folder, frame);
+  }
   std::string kept_particles(const std::filesystem::path& file) const override;
   void write_state(StateWriter& archive) override { archive(simulation_); }
   void read_state(StateReader& archive) override { archive(simulation_); }

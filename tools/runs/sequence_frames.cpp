@@ -61,7 +61,8 @@ FrameReport SequenceFrames::take_report(int frame) {
   report.metrics.time = time_of(frame);
   report.metrics.particles = sequence_.particles_in(static_cast<std::size_t>(frame));
   report.particles = now_;
-  if (has_temperatures_) set_temperatures(now_, surfaces_, report.metrics);
+  if (const auto range = temperature_range(now_.temperature); has_temperatures_ && range)
+    set_temperatures(now_, *range, surfaces_, report.metrics);
   report.steps = surfaces_.take_report();
   report.tracer_seconds = std::exchange(tracer_seconds_, 0);
   return report;

@@ -47,6 +47,7 @@ class Simulation {
   bool advance(double time, const Watch& watch);
 
   const Liquid& liquid() const { return *liquid_; }
+  Liquid& liquid() { return *liquid_; }
   const Particles& particles() const { return surfaces_.particles(); }  ///< at the surfaces' time
   const TrackedSurfaces& surfaces() const { return surfaces_; }
   TrackedSurfaces& surfaces() { return surfaces_; }
@@ -80,6 +81,7 @@ class Simulation {
   TrackedSurfaces surfaces_;
   MaterialTracers tracers_;
   bool flows_in_;            // liquid from emitters
+  bool is_to_stop_ = false;  // as the watch last said
   SimulationReport report_;  // but for the surfaces
 };
 

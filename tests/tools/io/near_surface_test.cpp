@@ -8,6 +8,7 @@
 #include <set>
 
 #include "surface/field/particle_weights.h"
+#include "tests/solver/thread_ranks.h"
 #include "tests/tools/scratch.h"
 #include "tests/tools/sequence_files.h"
 #include "tools/io/liquid_depth.h"
@@ -76,6 +77,48 @@ TEST_F(NearSurface, IsEverythingWithinFourSigmaOfAirAndOneParticleACubeOfTheRest
   EXPECT_NEAR(static_cast<double>(stand_for), left_out, 0.15 * left_out) << "as many as in their cubes";
   EXPECT_GT(left_out, 0.08 * static_cast<double>(all.size()));
   EXPECT_DOUBLE_EQ(frame.fast_speed, 1);
+}
+
+std::vector<std::pair<std::int64_t, Zone>> zones_of(const InputFrame& frame) {
+  std::vector<std::pair<std::int64_t, Zone>> zones;
+  for (std::size_t i = 0; i < frame.id.size(); ++i) zones.emplace_back(frame.id[i], frame.zone[i]);
+  std::ranges::sort(zones);
+  return zones;
+}
+
+// Ranks that have the particles of boxes, and one that has every fifth.
+TEST_F(NearSurface, IsTheSameOfRanksThatShareTheLiquid) {
+  constexpr int kN = 60;
+  const Particles all = cube(kN, Vec3(5, 6, 7), 1.5);
+  const auto part_of = [&](int rank, int ranks) {
+    InputFrame part;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const Vec3& x = all.position[i];
+      const int owner = ranks == 1 || all.id[i] % 5 == 0 ? 0
+                        : ranks == 2                     ? 1
+                                                         : 1 + (x.x() > 7) + 2 * (x.z() > 6.3) * (ranks > 3);
+      if (owner != rank) continue;
+      part.id.push_back(all.id[i]);
+      part.position.push_back(x);
+      part.velocity.push_back(all.velocity[i]);
+    }
+    return part;
+  };
+  const auto alone = zones_of(near_surface_of(part_of(0, 1), 2 * kH, nullptr));
+  EXPECT_EQ(alone, zones_of(read_near_surface(frame_of(all), 2 * kH, {})));
+  for (const int size : {2, 3, 5}) {
+    RankBoard board(size);
+    std::vector<std::jthread> others;
+    for (int rank = 1; rank < size; ++rank)
+      others.emplace_back([&, rank] {
+        ThreadRanks ranks(board, rank);
+        EXPECT_TRUE(near_surface_of(part_of(rank, size), 2 * kH, &ranks).id.empty());
+      });
+    ThreadRanks ranks(board, 0);
+    const InputFrame found = near_surface_of(part_of(0, size), 2 * kH, &ranks);
+    EXPECT_EQ(found.all, all.size());
+    EXPECT_EQ(zones_of(found), alone) << size;
+  }
 }
 
 TEST_F(NearSurface, IsAroundASmallBubbleToo) {

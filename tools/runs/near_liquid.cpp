@@ -1,0 +1,123 @@
+#include "tools/runs/near_liquid.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "solver/broadcast_state.h"
+#include "surface/field/particle_weights.h"
+#include "tools/io/files.h"
+#include "tools/io/near_surface.h"
+#include "tools/io/vtp_files.h"
+#include "tools/runs/run_folder.h"
+
+namespace kappaflow {
+namespace {
+
+double field_sigma(const Scene& scene) {
+  return scene.surface.sigma * scene.fluid.spacing;
+}
+
+/// Sorted by id.
+ParticleFrame frame_of(const InputFrame& near, double time) {
+  std::vector<std::size_t> order(near.id.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::sort(order, {}, [&](std::size_t i) { return near.id[i]; });
+  const auto ordered = [&](const auto& values) {
+    auto result = values;
+    for (std::size_t k = 0; k < values.size(); ++k) result[k] = values[order[k]];
+    return result;
+  };
+  ParticleFrame frame{{time, ordered(near.id), ordered(near.position), ordered(near.velocity)},
+                      ordered(near.density),
+                      ordered(near.pressure),
+                      ordered(near.source),
+                      ordered(near.temperature)};
+  for (const std::size_t i : order) frame.particles.scale.push_back(scale_of(near.zone[i]));
+  return frame;
+}
+
+}  // namespace
+
+void LiquidPart::announce(const RankOrder& order) {
+  if (ranks_ != nullptr && ranks_->rank() == 0) ranks_->announce(order);
+}
+
+LiquidRecord LiquidPart::near_surface(bool known) {
+  announce({RankTask::find_near, known ? 1.0 : 0.0});
+  const InputFrame near = near_surface_of(own_particles(known), field_sigma(scene_), ranks_);
+  LiquidRecord record;
+  record.particles = frame_of(near, fluid_.time());
+  record.count = near.all;
+  if (known) measure(record);
+  if (ranks_ != nullptr) ranks_->finish();
+  record.bodies = fluid_.bodies();
+  if (known && (ranks_ == nullptr || ranks_->rank() == 0)) record.taken = fluid_.taken();
+  return record;
+}
+
+InputFrame LiquidPart::own_particles(bool known) const {
+  ParticleFrame own =
+      known ? particle_frame(fluid_, Whose::own) : ParticleFrame{fluid_.particles(Whose::own), {}, {}, {}};
+  InputFrame frame;
+  frame.position = std::move(own.particles.position);
+  frame.id = std::move(own.particles.id);
+  frame.velocity = std::move(own.particles.velocity);
+  frame.density = std::move(own.density);
+  frame.pressure = std::move(own.pressure);
+  frame.temperature = std::move(own.temperature);
+  frame.source = std::move(own.source);
+  return frame;
+}
+
+/// What is said of all particles: of the ranks' shares.
+void LiquidPart::measure(LiquidRecord& record) const {
+  record.compression = compression(fluid_.densities(Whose::own), fluid_.fluids(Whose::own), scene_.fluid);
+  record.temperature = temperature_range(particle_frame(fluid_, Whose::own).temperature);
+  if (ranks_ == nullptr) return;
+  const double own = static_cast<double>(fluid_.particles(Whose::own).size());
+  struct Sums {
+    double particles, compression, compression_max, temperature, temperature_min, temperature_max;
+  };
+  const TemperatureRange range = record.temperature.value_or(TemperatureRange{kInfinity, 0, 0});
+  const Sums all = ranks_->combined(Sums{own, own * record.compression.mean, record.compression.max,
+                                         own * range.mean, range.min, range.max},
+                                    [](const Sums& a, const Sums& b) {
+                                      return Sums{a.particles + b.particles,
+                                                  a.compression + b.compression,
+                                                  std::max(a.compression_max, b.compression_max),
+                                                  a.temperature + b.temperature,
+                                                  std::min(a.temperature_min, b.temperature_min),
+                                                  std::max(a.temperature_max, b.temperature_max)};
+                                    });
+  record.compression = {all.compression / all.particles, all.compression_max};
+  if (scene_.fluid.heat)
+    record.temperature = {all.temperature_min, all.temperature / all.particles, all.temperature_max};
+}
+
+void LiquidPart::write_particles(const std::filesystem::path& folder, int frame) {
+  announce({RankTask::write_particles, static_cast<double>(frame)});
+  std::string run = folder.string();
+  if (ranks_ != nullptr) broadcast_state(*ranks_, run);
+  write_own(run, frame);
+  if (ranks_ == nullptr) return;
+  ranks_->sum(1);  // all are there
+  ranks_->finish();
+}
+
+void LiquidPart::write_own(const std::filesystem::path& folder, int frame) const {
+  const ParticleFrame own = particle_frame(fluid_, Whose::own);
+  const double sigma = field_sigma(scene_);
+  const std::vector<double> weight = field_weights(own.particles.position, sigma, WeightRule::uniform);
+  const std::filesystem::path file = folder / particle_piece(frame, ranks_ != nullptr ? ranks_->rank() : 0);
+  make_folder(file.parent_path());
+  write_vtp(file, *particle_data(own, weight, sigma));
+  flush_to_disk(file);
+}
+
+void LiquidPart::follow(const RankOrder& order) {
+  if (order.task == RankTask::find_near) near_surface(order.value != 0);
+  if (order.task == RankTask::write_particles) write_particles({}, static_cast<int>(order.value));
+}
+
+}  // namespace kappaflow
