@@ -140,7 +140,7 @@ bool FluidSolver::can_be_asked() const {
 
 std::vector<RankShare> FluidSolver::State::shares() const {
   return ranks->one_of_each(
-      RankShare{particles.size(), halo->ghost_count(), memory().fluid, ranks->traffic()});
+      RankShare{particles.size(), halo->ghost_count(), memory().fluid, own_seconds, ranks->traffic()});
 }
 
 std::vector<RankShare> FluidSolver::shares() const {

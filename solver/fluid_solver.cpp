@@ -79,6 +79,7 @@ FluidStep FluidSolver::State::step(double time_left) {
   collected = Collected::nothing;
   FluidStep done;
   Stopwatch watch;
+  const double exchanged = exchange_seconds();
   done.time_step = time_step(time_left);
   const float dt = static_cast<float>(done.time_step);
 
@@ -139,6 +140,7 @@ FluidStep FluidSolver::State::step(double time_left) {
   ++steps;
   measure(done);
   done.seconds.step = watch.seconds();
+  own_seconds += done.seconds.step - (exchange_seconds() - exchanged);
   return done;
 }
 

@@ -65,6 +65,7 @@ struct FluidSolver::State {
   void measure(FluidStep& done);
   SolverMemory memory() const;
   std::vector<RankShare> shares() const;
+  double exchange_seconds() const { return ranks != nullptr ? ranks->traffic().seconds : 0; }
   /// Of all ranks, on the first: state and densities, or only id, position and velocity.
   const FluidParticles& all_particles(bool motion);
   const FluidParticles& particles_of(Whose whose, bool motion) {
@@ -98,7 +99,8 @@ struct FluidSolver::State {
 
   double time = 0;
   std::size_t steps = 0;
-  double fastest = 0;  // speed now
+  double fastest = 0;      // speed now
+  double own_seconds = 0;  // see RankShare
   FluidParticles particles;
   NeighbourLists neighbours;
   WallSums wall_sums;

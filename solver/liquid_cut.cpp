@@ -118,8 +118,9 @@ std::vector<std::uint64_t> LiquidCut::find_axes(std::size_t begin, std::span<con
     Part& part = parts_[begin + p];
     std::ranges::stable_sort(part.axes, std::greater(),
                              [&](std::uint8_t a) { return extents[p].upper[a] - extents[p].lower[a]; });
-    wanted.push_back(extents[p].count * static_cast<std::uint64_t>(part.ranks / 2) /
-                     static_cast<std::uint64_t>(part.ranks));
+    const double here = ranks.share_of(part.rank, part.ranks / 2),
+                 all = ranks.share_of(part.rank, part.ranks);
+    wanted.push_back(static_cast<std::uint64_t>(static_cast<double>(extents[p].count) * here / all));
   }
   return wanted;
 }

@@ -14,13 +14,13 @@ namespace kappaflow {
 /// Recursive bisection (Berger & Bokhari, "A partitioning strategy for nonuniform problems on
 /// multiprocessors", 1987) of cubic cells of a lattice that never moves, four spacings wide as those of the
 /// viscous preconditioner (RigidMultigrid), so that each of these has one owner too. A plane across the
-/// longest extent halves the ranks and, to a cell, the particles: where it goes through a layer of cells,
-/// that is cut along the next extent. Planes leave ranks fewer neighbours' particles than a space-filling
-/// curve: of a slab on two ranks 4 percent, not 31. The cut is made anew whenever particles have moved, of
-/// where they are and nothing else: a run that is resumed has the same one. No particle changes its rank but
-/// where the liquid has moved. Ranks tell each other of the particles in each layer of cells across an axis,
-/// then in each row of the layer that is cut, then in each cell of the row, for all parts of one level of
-/// the bisection at once.
+/// longest extent halves the ranks and divides, to a cell, the particles as Ranks::share_of() those on either
+/// side: where it goes through a layer of cells, that is cut along the next extent. Planes leave ranks fewer
+/// neighbours' particles than a space-filling curve: of a slab on two ranks 4 percent, not 31. The cut is
+/// made anew whenever particles have moved, of where they are and the shares, of nothing that is measured
+/// meanwhile: a run that is resumed has the same one. No particle changes its rank but where the liquid has
+/// moved. Ranks tell each other of the particles in each layer of cells across an axis, then in each row of
+/// the layer that is cut, then in each cell of the row, for all parts of one level of the bisection at once.
 class LiquidCut {
  public:
   using Place = std::array<std::int64_t, 3>;
@@ -34,7 +34,7 @@ class LiquidCut {
   Place place_of(const Vec4f& x) const;
   int owner_of(const Place& place) const;
 
-  /// Shares the particles of all ranks evenly, as cells allow.
+  /// Divides the particles of all ranks by their shares, as cells allow.
   void cut(std::span<const Vec4f> position, Ranks& ranks);
 
  private:

@@ -1,12 +1,15 @@
 // Processes that share one liquid.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <numeric>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace kappaflow {
@@ -42,6 +45,7 @@ struct RankTraffic {
 /// What a rank has of the liquid.
 struct RankShare {
   std::uint64_t particles = 0, ghosts = 0, memory = 0;  ///< memory: of the solver, for liquid [bytes]
+  double own_seconds = 0;  ///< of all steps, without the exchange and the wait for others
   RankTraffic traffic;
 };
 
@@ -70,8 +74,8 @@ class Ranks {
 
   virtual int rank() const = 0;
   virtual int size() const = 0;
-  /// Of them, this one among these.
-  virtual int on_this_machine() const = 0;
+  /// Those that are, this one among them; ascending.
+  virtual std::vector<int> on_this_machine() const = 0;
   virtual RankTraffic traffic() const = 0;
 
   /// all = what every rank gives, in their order; sizes: of each rank's [bytes].
@@ -84,12 +88,34 @@ class Ranks {
   virtual void exchange(std::span<const Parcel> sent, std::span<const Parcel> received) = 0;
   /// Rank 0's bytes to all.
   virtual void broadcast(std::span<std::byte> bytes) = 0;
-  /// The ranks above 0 by themselves, numbered anew from 0; on rank 0 nullptr. All ranks call it.
-  virtual std::unique_ptr<Ranks> others() = 0;
   /// As exchange(), but sleeps until both are through: where that may take long.
   virtual void exchange_asleep(std::span<const Parcel> sent, std::span<const Parcel> received) = 0;
   /// Ends all ranks at once.
   virtual void abort(int exit_code) = 0;
+
+  /// How much of the liquid each rank is to have, relative to the others: the same numbers on all ranks.
+  /// Without them, all have the same.
+  void set_shares(std::vector<double> shares) {
+    const double most = *std::ranges::max_element(shares);
+    // One that vanished beside the largest would leave nothing to divide by among its like.
+    for (double& share : shares) share = std::max(share / most, std::numeric_limits<double>::min());
+    shares_ = std::move(shares);
+  }
+  /// The largest is 1; empty: they are all the same.
+  const std::vector<double>& shares() const { return shares_; }
+  /// Of so many ranks together, from `first` on.
+  double share_of(int first, int count) const {
+    if (shares_.empty()) return count;
+    return std::accumulate(shares_.begin() + first, shares_.begin() + first + count, 0.0);
+  }
+
+  /// The ranks above 0 by themselves, numbered anew from 0, with their shares; on rank 0 nullptr. All ranks
+  /// call it.
+  std::unique_ptr<Ranks> others() {
+    std::unique_ptr<Ranks> part = without_first();
+    if (part != nullptr && !shares_.empty()) part->set_shares({shares_.begin() + 1, shares_.end()});
+    return part;
+  }
 
   /// Rank 0 tells the others what is next; until finish() they are at it together.
   void announce(const RankOrder& order) {
@@ -170,6 +196,8 @@ class Ranks {
  protected:
   /// As broadcast(), but the others should sleep until it comes.
   virtual void tell(std::span<std::byte> bytes) = 0;
+  /// As others(), but for the shares.
+  virtual std::unique_ptr<Ranks> without_first() = 0;
 
  private:
   template <class T>
@@ -179,6 +207,7 @@ class Ranks {
     return sizes;
   }
 
+  std::vector<double> shares_;
   bool busy_ = false, begun_ = false, ended_ = false;
 };
 

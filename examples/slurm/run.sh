@@ -1,7 +1,8 @@
 #!/bin/bash
 # A scene on a cluster with Slurm: sbatch examples/slurm/run.sh scenes/slab.toml OUT. A rank a socket, each with the
 # threads of its cores. Ten minutes before the time is over the run is stopped as by Ctrl-C, which leaves a checkpoint,
-# and the job is put back into the queue; there it goes on from that.
+# and the job is put back into the queue; there it goes on from that. Of nodes that differ, each rank can have its share of
+# the liquid (docs/scaling.md, "Unequal machines"): --shares behind --quiet.
 #SBATCH --job-name=kappaflow
 #SBATCH --nodes=4
 #SBATCH --ntasks-per-node=2

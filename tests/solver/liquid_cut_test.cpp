@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 
 #include "solver/fluid_particles.h"
 #include "tests/solver/shapes.h"
@@ -20,8 +21,9 @@ std::vector<Vec4f> places(const std::vector<Vec3>& points) {
   return result;
 }
 
-/// The cuts that the ranks make of the points, of which each has every size-th.
-std::vector<LiquidCut> cuts_of(const std::vector<Vec4f>& points, int size) {
+/// The cuts that the ranks make of the points, of which each has every size-th. shares: none, all the same.
+std::vector<LiquidCut> cuts_of(const std::vector<Vec4f>& points, int size,
+                               const std::vector<double>& shares = {}) {
   std::vector<LiquidCut> cuts(static_cast<std::size_t>(size), LiquidCut(kSpacing));
   RankBoard board(size);
   std::vector<std::jthread> threads;
@@ -32,6 +34,7 @@ std::vector<LiquidCut> cuts_of(const std::vector<Vec4f>& points, int size) {
            i += static_cast<std::size_t>(size))
         own.push_back(points[i]);
       ThreadRanks ranks(board, rank);
+      if (!shares.empty()) ranks.set_shares(shares);
       cuts[static_cast<std::size_t>(rank)].cut(own, ranks);
     });
   threads.clear();
@@ -45,24 +48,56 @@ std::vector<std::vector<Vec4f>> shapes() {
           places(far), places({Vec3(1, 2, 3)})};
 }
 
-// A halving is off by half a cell; the shares of what is left even that out again, but for a cell.
+/// Holds that each rank has its share of the points, but for a cell: a halving is off by half of one; the
+/// shares of what is left even that out again.
+void expect_shares(const std::vector<Vec4f>& points, const LiquidCut& cut,
+                   const std::vector<double>& shares) {
+  std::map<LiquidCut::Place, double> in_cell;
+  std::map<int, double> of_rank;
+  for (const Vec4f& x : points) {
+    ++in_cell[cut.place_of(x)];
+    ++of_rank[cut.owner_of(cut.place_of(x))];
+  }
+  double largest = 0;
+  for (const auto& [place, count] : in_cell) largest = std::max(largest, count);
+  const double all = std::accumulate(shares.begin(), shares.end(), 0.0);
+  for (std::size_t rank = 0; rank < shares.size(); ++rank)
+    EXPECT_NEAR(of_rank[static_cast<int>(rank)], static_cast<double>(points.size()) * shares[rank] / all,
+                1 + largest)
+        << rank << " of " << shares.size() << ", " << points.size() << " points";
+  EXPECT_LE(of_rank.size(), shares.size());
+}
+
 TEST(LiquidCut, SharesParticlesEvenlyAsCellsAllow) {
   for (const std::vector<Vec4f>& points : shapes())
-    for (const int size : {1, 2, 3, 5, 8}) {
-      const LiquidCut cut = cuts_of(points, size).front();
-      std::map<LiquidCut::Place, double> in_cell;
-      std::map<int, double> of_rank;
-      for (const Vec4f& x : points) {
-        ++in_cell[cut.place_of(x)];
-        ++of_rank[cut.owner_of(cut.place_of(x))];
-      }
-      double largest = 0;
-      for (const auto& [place, count] : in_cell) largest = std::max(largest, count);
-      for (int rank = 0; rank < size; ++rank)
-        EXPECT_NEAR(of_rank[rank], static_cast<double>(points.size()) / size, 1 + largest)
-            << rank << " of " << size << ", " << points.size() << " points";
-      EXPECT_LE(of_rank.size(), static_cast<std::size_t>(size));
+    for (const int size : {1, 2, 3, 5, 8})
+      expect_shares(points, cuts_of(points, size).front(),
+                    std::vector<double>(static_cast<std::size_t>(size), 1));
+}
+
+TEST(LiquidCut, GivesUnequalRanksTheirShares) {
+  const std::vector<std::vector<double>> all{
+      {1, 0.52}, {30, 1000}, {1, 0.5, 0.25}, {0.1, 1, 0.3, 0.8}, {1, 1, 0.4, 1, 0.2}};
+  for (const std::vector<Vec4f>& points : shapes())
+    for (const std::vector<double>& shares : all)
+      expect_shares(points, cuts_of(points, static_cast<int>(shares.size()), shares).front(), shares);
+}
+
+TEST(LiquidCut, IsWithEqualSharesAsWithNone) {
+  for (const std::vector<Vec4f>& points : shapes())
+    for (const int size : {2, 3, 5, 8, 13}) {
+      const LiquidCut with = cuts_of(points, size, std::vector(static_cast<std::size_t>(size), 0.7)).front(),
+                      without = cuts_of(points, size).front();
+      for (const Vec4f& x : points)
+        ASSERT_EQ(with.owner_of(with.place_of(x)), without.owner_of(without.place_of(x))) << size;
     }
+}
+
+// Of shares so far apart that their quotient vanishes.
+TEST(LiquidCut, CanLeaveRanksWithoutLiquid) {
+  const std::vector<Vec4f> points = shapes()[1];
+  const LiquidCut cut = cuts_of(points, 4, {1e300, 1e-300, 1e-300, 1e-300}).front();
+  for (const Vec4f& x : points) ASSERT_EQ(cut.owner_of(cut.place_of(x)), 0);
 }
 
 using Loads = std::vector<std::pair<LiquidCut::Place, std::uint64_t>>;  // cells and the particles in them

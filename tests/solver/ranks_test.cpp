@@ -172,6 +172,43 @@ TEST(Ranks, GiveTheSameBitsEveryTime) {
   EXPECT_EQ(course_on(3, make, 5).particles.position, course_on(3, make, 5).particles.position);
 }
 
+// Where the cut lies changes nothing but rounding; and it is where it was after a checkpoint.
+TEST(Ranks, MoveLiquidAsOneDoesWhateverTheirShares) {
+  const auto make = [](Ranks* ranks) {
+    if (ranks != nullptr) ranks->set_shares({1, 0.25, 0.5});
+    return falling_block(1, ranks);
+  };
+  const Course one = course_on(1, make, 8);
+  std::string bytes;
+  Particles then;
+  on_ranks(3, make, [&](FluidSolver& fluid) {
+    course_of(fluid, 4);
+    bytes = saved(fluid);
+    then = course_of(fluid, 4).particles;
+    const std::vector<RankShare> shares = fluid.shares();
+    for (const std::size_t rank : {1u, 2u})
+      EXPECT_NEAR(static_cast<double>(shares[rank].particles),
+                  (rank == 1 ? 0.25 : 0.5) * static_cast<double>(shares[0].particles), 100);
+    for (const RankShare& share : shares) EXPECT_GT(share.own_seconds, 0);
+  });
+  EXPECT_LT(difference(then, one.particles), 2e-3);
+  on_ranks(3, make, [&](FluidSolver& fluid) {
+    restore(fluid, bytes);
+    EXPECT_EQ(course_of(fluid, 4).particles.position, then.position);
+  });
+}
+
+TEST(Ranks, KeepTheirSharesAmongThemselves) {
+  RankBoard board(3);
+  ThreadRanks ranks(board, 1);
+  EXPECT_EQ(ranks.share_of(0, 3), 3);
+  EXPECT_TRUE(ranks.others()->shares().empty());
+  ranks.set_shares({8, 4, 1});
+  EXPECT_EQ(ranks.shares(), (std::vector<double>{1, 0.5, 0.125}));
+  EXPECT_EQ(ranks.share_of(1, 2), 0.625);
+  EXPECT_EQ(ranks.others()->shares(), (std::vector<double>{1, 0.25}));
+}
+
 // Single precision rounds by 6e-8.
 TEST(Ranks, KeepMomentum) {
   on_ranks(4, spinning_drop, [](FluidSolver& fluid) {

@@ -10,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <numeric>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -45,7 +46,11 @@ class ThreadRanks : public Ranks {
 
   int rank() const override { return rank_; }
   int size() const override { return static_cast<int>(board_.own.size()); }
-  int on_this_machine() const override { return size(); }
+  std::vector<int> on_this_machine() const override {
+    std::vector<int> all(board_.own.size());
+    std::iota(all.begin(), all.end(), 0);
+    return all;
+  }
   RankTraffic traffic() const override { return {}; }
 
   void gather(std::span<const std::byte> own, std::span<const std::size_t>,
@@ -73,9 +78,6 @@ class ThreadRanks : public Ranks {
   void exchange_asleep(std::span<const Parcel> sent, std::span<const Parcel> received) override {
     exchange(sent, received);
   }
-  std::unique_ptr<Ranks> others() override {
-    return rank_ == 0 ? nullptr : std::make_unique<ThreadRanks>(*board_.others, rank_ - 1);
-  }
   void broadcast(std::span<std::byte> bytes) override {
     hold_out(bytes, [&] {
       if (rank_ != 0) std::ranges::copy(board_.own[0], bytes.begin());
@@ -85,6 +87,9 @@ class ThreadRanks : public Ranks {
 
  protected:
   void tell(std::span<std::byte> bytes) override { broadcast(bytes); }
+  std::unique_ptr<Ranks> without_first() override {
+    return rank_ == 0 ? nullptr : std::make_unique<ThreadRanks>(*board_.others, rank_ - 1);
+  }
 
  private:
   template <class Work>

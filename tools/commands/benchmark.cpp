@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -63,11 +66,12 @@ FluidSolver solver_of(const PreparedScene& prepared, Ranks* ranks) {
 }
 
 /// A rank's share in the mean of so many steps.
-void take_mean(RankShare& share, const RankTraffic& before, int steps) {
+void take_mean(RankShare& share, const RankShare& before, int steps) {
   RankTraffic& sent = share.traffic;
-  sent.messages = (sent.messages - before.messages) / static_cast<std::size_t>(steps);
-  sent.bytes = (sent.bytes - before.bytes) / static_cast<std::size_t>(steps);
-  sent.seconds = (sent.seconds - before.seconds) / steps;
+  sent.messages = (sent.messages - before.traffic.messages) / static_cast<std::size_t>(steps);
+  sent.bytes = (sent.bytes - before.traffic.bytes) / static_cast<std::size_t>(steps);
+  sent.seconds = (sent.seconds - before.traffic.seconds) / steps;
+  share.own_seconds = (share.own_seconds - before.own_seconds) / steps;
 }
 
 Measurement measure(const PreparedScene& prepared, int threads, const BenchmarkOptions& options) {
@@ -88,8 +92,7 @@ Measurement measure(const PreparedScene& prepared, int threads, const BenchmarkO
   draw_status_line("");
   result.memory = solver.memory();
   result.shares = solver.shares();
-  for (std::size_t r = 0; r < before.size(); ++r)
-    take_mean(result.shares[r], before[r].traffic, options.steps);
+  for (std::size_t r = 0; r < before.size(); ++r) take_mean(result.shares[r], before[r], options.steps);
   return result;
 }
 
@@ -200,6 +203,18 @@ std::string csv(const std::vector<Measurement>& measurements) {
   return result;
 }
 
+/// What --shares would balance the ranks; nothing where one of them has no liquid to be measured by.
+std::string shares_line(const Measurement& m) {
+  std::vector<double> speeds;
+  for (const RankShare& rank : m.shares)
+    speeds.push_back(static_cast<double>(rank.particles) / rank.own_seconds);
+  if (speeds.empty() || !std::ranges::all_of(speeds, [](double speed) { return speed > 0; })) return "";
+  std::string words;
+  for (const double share : balanced_shares(speeds))
+    words += fmt::format("{}{:.2g}", words.empty() ? "" : ",", share);
+  return fmt::format("shares {}\n", words);
+}
+
 /// Calls work(scene, threads) for every size and number of threads.
 template <class Work>
 void for_cases(const BenchmarkOptions& options, const Work& work) {
@@ -219,7 +234,28 @@ std::string benchmark(const BenchmarkOptions& options) {
     measurements.push_back(measure(sized, threads, options));
   });
   if (!options.csv.empty()) write_file(options.csv, csv(measurements));
-  return table(measurements);
+  std::string text = table(measurements);
+  for (const Measurement& m : measurements) text += shares_line(m);
+  return text;
+}
+
+std::vector<double> balanced_shares(const std::vector<double>& speeds) {
+  constexpr double kScatter = 0.1;  // of measured speeds
+  std::vector<std::size_t> order(speeds.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::sort(order, std::greater(), [&](std::size_t rank) { return speeds[rank]; });
+  std::vector<double> shares(speeds.size());
+  for (auto begin = order.begin(); begin != order.end();) {
+    const auto end = std::find_if(
+        begin, order.end(), [&](std::size_t rank) { return speeds[rank] < (1 - kScatter) * speeds[*begin]; });
+    double sum = 0;
+    for (auto rank = begin; rank != end; ++rank) sum += speeds[*rank];
+    for (auto rank = begin; rank != end; ++rank) shares[*rank] = sum / static_cast<double>(end - begin);
+    begin = end;
+  }
+  const double most = shares[order.front()];
+  for (double& share : shares) share /= most;
+  return shares;
 }
 
 void follow_benchmark(const BenchmarkOptions& options) {

@@ -20,9 +20,14 @@ struct BenchmarkOptions {
 
 /// Runs the scene's liquid at every size with every number of threads and returns a table: time a step and by
 /// phase, iterations, particle steps a second, seconds a simulated second, bytes a particle; of several ranks
-/// also what they send and wait for. A size is reached by another particle spacing, everything else stays.
-/// Writes the same as CSV. Throws as FluidSolver does.
+/// also what they send and wait for, and below the table the balanced_shares() of each of its columns. A size
+/// is reached by another particle spacing, everything else stays. Writes the same as CSV. Throws as
+/// FluidSolver does.
 std::string benchmark(const BenchmarkOptions& options);
+
+/// How much of the liquid each rank should have so that none waits for another, relative to the most, of how
+/// many particles a second each does. Ranks that differ by no more than measurements do get the same.
+std::vector<double> balanced_shares(const std::vector<double>& speeds);
 
 /// What the ranks above 0 do.
 void follow_benchmark(const BenchmarkOptions& options);

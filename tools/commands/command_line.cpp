@@ -157,6 +157,7 @@ void add_benchmark(CLI::App& app, CommandLine& line) {
       ->check(whole_number(1, 1024));
   benchmark->add_option("--steps", line.benchmark.steps, "Solver steps to measure (default: 20)")
       ->check(whole_number(1, 100000));
+  add_shares(*benchmark, line.shares);
   benchmark->add_option("--out", line.benchmark.csv, "The table as CSV too");
   benchmark->footer(
       footer("kappaflow benchmark scenes/staircase.toml --particles 10000,100000 --threads 1,2"));

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <vector>
 
 #include "tools/commands/benchmark.h"
 #include "tools/commands/compare.h"
@@ -29,7 +30,8 @@ struct CommandLine {
   ConvertOptions convert;
   CompareOptions compare;
   ExperimentOptions experiment;
-  int threads = 0;  // 0: all cores
+  int threads = 0;             // 0: all cores
+  std::vector<double> shares;  // of the ranks; empty: all the same
 };
 
 /// Each adds its command and the options of it, which set members of `line`; that must outlive `app`.

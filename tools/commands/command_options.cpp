@@ -84,6 +84,17 @@ void add_threads(CLI::App& command, int& threads) {
       ->check(whole_number(1, 1024));
 }
 
+void add_shares(CLI::App& command, std::vector<double>& shares) {
+  command
+      .add_option("--shares", shares,
+                  "On several ranks: how much of the liquid each has, relative to the others; benchmark says "
+                  "what they should be (default: all the same)")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->type_name("NUMBERS")
+      ->check(number_in("a number above 0", [](double number) { return number > 0; }));
+}
+
 void add_methods(CLI::App& command, const std::string& name, std::vector<std::string>& methods,
                  const std::string& text, const std::vector<std::string_view>& allowed) {
   command.add_option(name, methods, text)

@@ -30,6 +30,9 @@ CLI::Validator one_of(const std::vector<std::string_view>& names);
 
 void add_threads(CLI::App& command, int& threads);
 
+/// --shares: of the liquid, on several ranks.
+void add_shares(CLI::App& command, std::vector<double>& shares);
+
 /// --kernels.
 void add_kernels(CLI::App& command, Kernels& kernels);
 

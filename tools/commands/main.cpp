@@ -46,6 +46,7 @@ void add_run(CLI::App& app, CommandLine& line) {
       ->check(number_in("a number of seconds above 0", [](double value) { return value > 0; }));
   add_formats(*run, line.run.formats, true);
   add_threads(*run, line.threads);
+  add_shares(*run, line.shares);
   run->add_flag("--force", line.run.force, "Replace the run that the folder already holds");
   run->add_flag("--quiet", line.run.quiet, "Print errors only");
   for (const char* name : {"--out", "--track", "--duration", "--format", "--force"})
@@ -65,12 +66,23 @@ std::string one_line(std::string text) {
   return text;
 }
 
+void share_liquid(const std::vector<double>& shares, Ranks* ranks) {
+  if (shares.empty()) return;
+  if (ranks == nullptr)
+    throw InvalidInput("--shares: this is the only process; mpirun starts several, see docs/scaling.md");
+  if (std::ssize(shares) != ranks->size())
+    throw InvalidInput(fmt::format("--shares: found {} value{}; expected one for each of the {} ranks",
+                                   shares.size(), shares.size() == 1 ? "" : "s", ranks->size()));
+  ranks->set_shares(shares);
+}
+
 int execute(const CLI::App& app, CommandLine& line) {
   Ranks* const ranks = line.run.ranks;
   const bool follows = ranks != nullptr && ranks->rank() > 0;
   if (ranks != nullptr && !app.got_subcommand("run") && !app.got_subcommand("benchmark"))
     throw InvalidInput(fmt::format(
         "only kappaflow run and benchmark work on several ranks; this is one of {}", ranks->size()));
+  share_liquid(line.shares, ranks);
   if (app.got_subcommand("run")) {
     reject_repeated("--track", line.run.methods);
     line.run.threads = line.threads;

@@ -69,7 +69,10 @@ class MpiRanks : public Ranks {
     MPI_Comm_size(all_, &size_);
     MPI_Comm machine = MPI_COMM_NULL;
     MPI_Comm_split_type(all_, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
-    MPI_Comm_size(machine, &on_this_machine_);
+    int count = 0;
+    MPI_Comm_size(machine, &count);
+    on_this_machine_.resize(static_cast<std::size_t>(count));
+    MPI_Allgather(&rank_, 1, MPI_INT, on_this_machine_.data(), 1, MPI_INT, machine);
     MPI_Comm_free(&machine);
   }
   MpiRanks(const MpiRanks&) = delete;
@@ -83,7 +86,7 @@ class MpiRanks : public Ranks {
 
   int rank() const override { return rank_; }
   int size() const override { return size_; }
-  int on_this_machine() const override { return on_this_machine_; }
+  std::vector<int> on_this_machine() const override { return on_this_machine_; }
   RankTraffic traffic() const override { return traffic_; }
 
   void gather(std::span<const std::byte> own, std::span<const std::size_t> sizes,
@@ -117,12 +120,6 @@ class MpiRanks : public Ranks {
     wait_asleep(requests_);
   }
 
-  std::unique_ptr<Ranks> others() override {
-    MPI_Comm part = MPI_COMM_NULL;
-    MPI_Comm_split(all_, rank_ == 0 ? MPI_UNDEFINED : 0, rank_, &part);
-    return part == MPI_COMM_NULL ? nullptr : std::make_unique<MpiRanks>(part);
-  }
-
   void broadcast(std::span<std::byte> whole) override {
     const Timed timed(traffic_.seconds);
     in_pieces(whole, [&](std::byte* bytes, int count) {
@@ -143,6 +140,12 @@ class MpiRanks : public Ranks {
     MPI_Request request = MPI_REQUEST_NULL;
     MPI_Ibcast(bytes.data(), static_cast<int>(bytes.size()), MPI_BYTE, 0, all_, &request);
     wait_asleep({&request, 1});
+  }
+
+  std::unique_ptr<Ranks> without_first() override {
+    MPI_Comm part = MPI_COMM_NULL;
+    MPI_Comm_split(all_, rank_ == 0 ? MPI_UNDEFINED : 0, rank_, &part);
+    return part == MPI_COMM_NULL ? nullptr : std::make_unique<MpiRanks>(part);
   }
 
  private:
@@ -204,7 +207,8 @@ class MpiRanks : public Ranks {
   }
 
   MPI_Comm all_;
-  int rank_ = 0, size_ = 1, on_this_machine_ = 1;
+  int rank_ = 0, size_ = 1;
+  std::vector<int> on_this_machine_;
   RankTraffic traffic_;
   std::vector<MPI_Request> requests_;
 };

@@ -87,16 +87,16 @@ SceneFrames first_frame(PreparedScene& prepared, const RunOptions& options, cons
   return {prepared, liquid_of(prepared, options, folder)};
 }
 
-int ranks_of(const RunOptions& options) {
-  return options.ranks != nullptr ? options.ranks->size() : 1;
-}
-
 LiquidPlace place_of_liquid(const PreparedScene& prepared, const RunOptions& options) {
   if (options.ranks == nullptr) return {};
+  const Ranks& ranks = *options.ranks;
   const bool is_apart = surfaces_apart(prepared, options);
-  const int without = is_apart ? 1 : 0;
-  return {static_cast<double>(options.ranks->on_this_machine() - without) / (options.ranks->size() - without),
-          is_apart, is_apart && near_alone(prepared, options)};
+  const int first = is_apart ? 1 : 0;  // that has liquid
+  double here = 0;
+  for (const int rank : ranks.on_this_machine())
+    if (rank >= first) here += ranks.share_of(rank, 1);
+  return {here / ranks.share_of(first, ranks.size() - first), is_apart,
+          is_apart && near_alone(prepared, options)};
 }
 
 RunSummary begin(const RunOptions& options) {
@@ -160,7 +160,7 @@ RunSummary resume(const RunOptions& options) {
   RunDriver driver(frames, folder, settings_for(begun_with, hash, scene), watch);
   driver.restore(frame, saved);
   folder.write_record(resumed_record(folder.path(), options.command, options.threads,
-                                     {ranks_of(options), frames.liquid_ranks()}, frames.time()));
+                                     ranks_of(options, frames), frames.time()));
   return driver.advance(guard);
 }
 

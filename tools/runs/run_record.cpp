@@ -72,6 +72,12 @@ Json::Value common_record(const std::vector<std::string>& command, int threads,
   return record;
 }
 
+void add_ranks(const RunRanks& ranks, Json::Value& record) {
+  record["ranks"] = ranks.all;
+  record["liquid_ranks"] = ranks.liquid;
+  for (const double share : ranks.shares) record["shares"].append(share);
+}
+
 std::string record_text(const Json::Value& record) {
   Json::StreamWriterBuilder writer;
   writer["indentation"] = "  ";
@@ -110,12 +116,16 @@ std::string build_description() {
                      EIGEN_MINOR_VERSION, TBB_VERSION_MAJOR, TBB_VERSION_MINOR);
 }
 
+RunRanks ranks_of(const RunOptions& options, const SceneFrames& frames) {
+  if (options.ranks == nullptr) return {};
+  return {options.ranks->size(), frames.liquid_ranks(), options.ranks->shares()};
+}
+
 std::string run_record(const RunOptions& options, const Scene& scene, const SceneFrames& frames) {
   const ParticleFieldOptions& field = frames.surfaces().field_options();
   Json::Value record =
       common_record(options.command, options.threads, scene.surface, field.sigma, field.threshold);
-  record["ranks"] = options.ranks != nullptr ? options.ranks->size() : 1;
-  record["liquid_ranks"] = frames.liquid_ranks();
+  add_ranks(ranks_of(options, frames), record);
   record["options"] = options_record(options);
   record["scene"] = scene_record(scene);
   record["particles"] = Json::UInt64{frames.surfaces().particles().size()};
@@ -139,15 +149,14 @@ Json::Value read_record(const std::filesystem::path& folder) {
 }
 
 std::string resumed_record(const std::filesystem::path& folder, const std::vector<std::string>& command,
-                           int threads, RankCounts ranks, double time) {
+                           int threads, const RunRanks& ranks, double time) {
   Json::Value record = read_record(folder), resumed;
   resumed["version"] = kVersion;
   resumed["build"] = build_description();
   resumed["started"] = time_now();
   resumed["command"] = list(command);
   resumed["threads"] = threads;
-  resumed["ranks"] = ranks.all;
-  resumed["liquid_ranks"] = ranks.liquid;
+  add_ranks(ranks, resumed);
   resumed["time"] = time;
   record["resumed"].append(resumed);
   return record_text(record);

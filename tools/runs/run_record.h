@@ -22,14 +22,16 @@ std::string run_record(const RunOptions& options, const Scene& scene, const Scen
 /// What the run.json of a run folder says. Throws IoError where it cannot be read or is something else.
 Json::Value read_record(const std::filesystem::path& folder);
 
-/// On how many processes a run is, and how many of them share the liquid.
-struct RankCounts {
+/// On how many processes a run is, how many of them share the liquid, and how, if that was said.
+struct RunRanks {
   int all = 1, liquid = 1;
+  std::vector<double> shares;
 };
+RunRanks ranks_of(const RunOptions& options, const SceneFrames& frames);
 
 /// The record in a run folder, which says further that the run was resumed at `time` [s], and how.
 std::string resumed_record(const std::filesystem::path& folder, const std::vector<std::string>& command,
-                           int threads, RankCounts ranks, double time);
+                           int threads, const RunRanks& ranks, double time);
 
 /// The same of tracked files: which, what is known about them, and the numbers that were derived.
 std::string track_record(const TrackOptions& options, const TrackInput& tracked);

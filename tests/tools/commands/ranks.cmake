@@ -14,7 +14,7 @@ set(scene ${SOURCE_DIR}/scenes/staircase-small.toml)
 file(REMOVE_RECURSE ${FOLDER})
 file(MAKE_DIRECTORY ${FOLDER})
 
-# ranks(NUMBER EXIT_CODE WORDS...): the program's words; leaves what it says in `said`.
+# ranks(NUMBER EXIT_CODE WORDS...): the program's words; leaves what it says in `said`, and in `told` what it prints.
 function(ranks number expected)
   execute_process(COMMAND ${MPIRUN} --oversubscribe --bind-to none -n ${number} ${PROGRAM} ${ARGN}
                   WORKING_DIRECTORY ${FOLDER} RESULT_VARIABLE code ERROR_VARIABLE text OUTPUT_VARIABLE output TIMEOUT 60)
@@ -22,6 +22,7 @@ function(ranks number expected)
     message(FATAL_ERROR "mpirun -n ${number} kappaflow ${ARGN}: ${code}, not ${expected}\n${output}${text}")
   endif()
   set(said "${text}" PARENT_SCOPE)
+  set(told "${output}" PARENT_SCOPE)
 endfunction()
 
 function(expect_said line)
@@ -78,9 +79,27 @@ ranks(2 0 run ${lava} --threads 2 --out shared-again)
 expect_liquid_ranks(shared 2)
 expect_same(shared shared-again)
 
-# Interrupted: the scene goes on for longer than it is let.
+# By shares.
+ranks(2 0 run ${lava} --threads 1 --shares 1,0.4 --out uneven)
+ranks(2 0 run ${lava} --threads 1 --shares 2.5,1 --out uneven-again)
+expect_same(uneven uneven-again)
+file(READ ${FOLDER}/uneven/run.json record)
+foreach(k 0 1)
+  string(JSON share_${k} GET "${record}" shares ${k})
+endforeach()
+if(NOT share_0 EQUAL 1 OR NOT share_1 EQUAL 0.4)
+  message(FATAL_ERROR "run.json: shares ${share_0} and ${share_1}")
+endif()
+file(SHA256 ${FOLDER}/shared/particles/particles_0001.vtp by_halves)
+file(SHA256 ${FOLDER}/uneven/particles/particles_0001.vtp by_shares)
+if(by_halves STREQUAL by_shares)
+  message(FATAL_ERROR "the shares have changed nothing")
+endif()
+
+# Interrupted: the scene goes on for longer than it is let. The checkpoint does not know the shares, of which those of the ranks
+# with liquid count.
 execute_process(COMMAND sh -c "
-  ${MPIRUN} --oversubscribe --bind-to none -n 4 ${PROGRAM} run ${scene} --track material --quiet --threads 1 --out stopped &
+  ${MPIRUN} --oversubscribe --bind-to none -n 4 ${PROGRAM} run ${scene} --track material --quiet --threads 1 --shares 8,1,0.5,0.75 --out stopped &
   while kill -0 $! && [ ! -e stopped/particles/particles_0002.vtp ]; do sleep 0.05; done
   kill -TERM $(cut -d' ' -f1 /proc/$!/task/$!/children); wait $!" WORKING_DIRECTORY ${FOLDER} RESULT_VARIABLE code ERROR_VARIABLE said TIMEOUT 60)
 if(NOT code EQUAL 143 OR NOT said MATCHES "kappaflow run --resume stopped goes on")
@@ -88,8 +107,8 @@ if(NOT code EQUAL 143 OR NOT said MATCHES "kappaflow run --resume stopped goes o
 endif()
 file(COPY ${FOLDER}/stopped/ DESTINATION ${FOLDER}/onward)
 file(COPY ${FOLDER}/stopped/ DESTINATION ${FOLDER}/alone)
-ranks(4 0 run --resume stopped --quiet --threads 1)
-ranks(4 0 run ${scene} --track material --quiet --threads 1 --out whole)
+ranks(4 0 run --resume stopped --quiet --threads 1 --shares 2,4,2,3)
+ranks(4 0 run ${scene} --track material --quiet --threads 1 --shares 8,1,0.5,0.75 --out whole)
 expect_same(whole stopped)
 ranks(2 0 run --resume onward --quiet --threads 1)
 execute_process(COMMAND ${PROGRAM} run --resume alone --quiet WORKING_DIRECTORY ${FOLDER} COMMAND_ERROR_IS_FATAL ANY)
@@ -99,8 +118,10 @@ ranks(2 0 run ${SOURCE_DIR}/scenes/sphere-in-honey.toml ${short} --threads 1 --o
 ranks(3 0 benchmark ${scene} --particles 3000,5000 --threads 1,2 --steps 1 --out speed.csv)
 file(STRINGS ${FOLDER}/speed.csv lines)
 list(LENGTH lines count)
-if(NOT count EQUAL 5 OR NOT lines MATCHES "messages_per_step")
-  message(FATAL_ERROR "not a line for each size and number of threads: ${lines}")
+string(REGEX MATCHALL "shares [0-9.]+,[0-9.]+,[0-9.]+\n" shares "${told}")
+list(LENGTH shares proposals)
+if(NOT count EQUAL 5 OR NOT lines MATCHES "messages_per_step" OR NOT proposals EQUAL 4)
+  message(FATAL_ERROR "not a line for each size and number of threads: ${lines}\n${told}")
 endif()
 
 # One line says what is wrong, whoever finds it.
@@ -108,6 +129,16 @@ ranks(3 2 run missing.toml)
 expect_said("missing.toml: no such file")
 ranks(2 2 run ${scene} --threads)
 expect_said("--threads")
+ranks(2 2 run ${scene} --shares 1,0.5,1)
+expect_said("--shares: found 3 values; expected one for each of the 2 ranks")
+ranks(2 2 benchmark ${scene} --shares 1)
+expect_said("--shares: found 1 value; expected one for each of the 2 ranks")
+ranks(2 2 run ${scene} --shares 1,0)
+expect_said("--shares: found \"0\"; expected a number above 0")
+ranks(2 2 run ${scene} --shares -1,half)
+expect_said("--shares: found \"-1\"; expected a number above 0")
+ranks(1 2 run ${scene} --shares 1)
+expect_said("--shares: this is the only process")
 ranks(2 2 check ${scene})
 expect_said("only kappaflow run and benchmark work on several ranks")
 
