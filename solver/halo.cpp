@@ -7,6 +7,7 @@
 
 #include "core/bytes.h"
 #include "solver/kernel.h"
+#include "solver/neighbours.h"
 
 namespace kappaflow {
 namespace {
@@ -40,7 +41,7 @@ void take(std::span<const std::byte>& bytes, std::size_t count, std::vector<T>& 
 }  // namespace
 
 std::size_t Halo::bytes() const {
-  return grid_.bytes() + plan_.bytes() + exchange_.bytes();
+  return grid_.bytes() + plan_.bytes() + exchange_.bytes() + bytes_of(beside_, of_rows_);
 }
 
 void Halo::migrate(FluidParticles& particles) {
@@ -147,6 +148,15 @@ void Halo::find_ghosts(FluidParticles& particles) {
   share(particles.position);
   share(particles.fluid);
   share(particles.led_by);
+}
+
+void Halo::find_beside(const NeighbourLists& lists) {
+  beside_.resize(own_);
+  parallel_for(own_, [&](std::size_t i) {
+    const std::span<const PairBlock> blocks = lists.of(i);  // whose particles ascend
+    beside_[i] =
+        !blocks.empty() && blocks.back().base + *std::ranges::max_element(blocks.back().offset) >= own_;
+  });
 }
 
 void Halo::collect(const FluidParticles& particles, bool motion, FluidParticles& whole) const {

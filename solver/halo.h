@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -20,6 +21,13 @@ void resize_closely(std::vector<T>& values, std::size_t n) {
   if (values.capacity() < n) values.reserve(n + n / 16);
   values.resize(n);
 }
+
+/// The kappa of particles, which is in their position[].w.
+struct KappaOf {
+  std::vector<Vec4f>& position;
+};
+
+struct NeighbourLists;
 
 /// Each particle belongs to the rank that owns its cell. The arrays of FluidParticles hold a rank's own
 /// particles first and, where loops over pairs read neighbours' values, copies of the other ranks' particles
@@ -45,18 +53,43 @@ class Halo {
   /// velocity.
   void collect(const FluidParticles& particles, bool motion, FluidParticles& whole) const;
 
-  /// Fills the ghosts' entries of an array that has one entry a particle.
+  /// Finds which particles have ghosts among their neighbours.
+  void find_beside(const NeighbourLists& lists);
+
+  /// Fills the ghosts' entries of an array that has one entry a particle. Until they come: meanwhile().
   template <class T>
-  void share(std::vector<T>& values) {
+  void share(
+      std::vector<T>& values, const std::function<void()>& meanwhile = [] {}) {
     const std::size_t own = own_;
     resize_closely(values, own + ghost_count());
     exchange<T>([&](std::size_t i) -> const T& { return values[i]; },
-                [&](std::size_t ghost, const T& value) { values[own + ghost] = value; });
+                [&](std::size_t ghost, const T& value) { values[own + ghost] = value; }, meanwhile);
   }
-  /// Those of kappa, in position[].w.
-  void share_kappa(std::vector<Vec4f>& position) {
+  void share(
+      const KappaOf& kappa, const std::function<void()>& meanwhile = [] {}) {
+    std::vector<Vec4f>& position = kappa.position;
     exchange<float>([&](std::size_t i) { return position[i][3]; },
-                    [&](std::size_t ghost, float kappa) { position[own_ + ghost][3] = kappa; });
+                    [&](std::size_t ghost, float k) { position[own_ + ghost][3] = k; }, meanwhile);
+  }
+
+  /// Calls row(i) for own particles: while the ghosts' entries of `values` are on their way for those without
+  /// ghosts among their neighbours.
+  template <class Values, class Row>
+  void for_rows(Values& values, const Row& row) {
+    const auto pass = [&](char beside) {
+      parallel_for(own_, [&](std::size_t i) {
+        if (beside_[i] == beside) row(i);
+      });
+    };
+    share(values, [&] { pass(0); });
+    pass(1);
+  }
+  /// The same; returns what row(i) returns for each of them.
+  template <class Values, class Row>
+  const std::vector<float>& of_rows(Values& values, const Row& row) {
+    resize_closely(of_rows_, own_);
+    for_rows(values, [&](std::size_t i) { of_rows_[i] = row(i); });
+    return of_rows_;
   }
 
   std::size_t bytes() const;
@@ -64,8 +97,8 @@ class Halo {
  private:
   void find_sent(const FluidParticles& particles);
   template <class T, class Read, class Write>
-  void exchange(const Read& read, const Write& write) {
-    const std::span<const T> in = exchange_.swap<T>(plan_.sent, plan_.received, read);
+  void exchange(const Read& read, const Write& write, const std::function<void()>& meanwhile) {
+    const std::span<const T> in = exchange_.swap<T>(plan_.sent, plan_.received, read, meanwhile);
     parallel_for(in.size(), [&](std::size_t k) { write(plan_.received.index[k], in[k]); });
   }
 
@@ -76,7 +109,9 @@ class Halo {
   std::vector<std::size_t> counts_;
   std::size_t total_ = 0, own_ = 0;
   CellGrid grid_;
-  ExchangePlan plan_;  // from own particles that are ghosts elsewhere to the ghosts here
+  std::vector<char> beside_;    // 1 for an own particle that has ghosts among its neighbours
+  std::vector<float> of_rows_;  // of each own particle
+  ExchangePlan plan_;           // from own particles that are ghosts elsewhere to the ghosts here
   RankExchange exchange_;
 };
 
@@ -88,7 +123,26 @@ void fill_ghosts(const FluidParticles& particles, std::vector<T>& values) {
 
 /// The same of kappa, in position[].w.
 inline void fill_kappa_of_ghosts(FluidParticles& particles) {
-  if (particles.halo != nullptr) particles.halo->share_kappa(particles.position);
+  if (particles.halo != nullptr) particles.halo->share(KappaOf{particles.position});
+}
+
+/// Calls row(i) for every particle, where the ghosts' entries of `values` are filled if it has ghosts among
+/// its neighbours.
+template <class Values, class Row>
+void for_rows(const FluidParticles& particles, Values& values, const Row& row) {
+  if (particles.halo == nullptr) return parallel_for(particles.size(), row);
+  particles.halo->for_rows(values, row);
+}
+
+/// Sum of term(i, row(i)), row(i) a number, over a rank's particles in their order; row as in for_rows().
+template <class Values, class T, class Row, class Term>
+T sum_over_rows(const FluidParticles& particles, Values& values, const T& zero, const Row& row,
+                const Term& term) {
+  const std::size_t n = particles.size();
+  if (particles.halo == nullptr)
+    return parallel_sum(n, zero, [&](std::size_t i) -> T { return term(i, row(i)); });
+  const std::vector<float>& of_rows = particles.halo->of_rows(values, row);
+  return parallel_sum(n, zero, [&](std::size_t i) -> T { return term(i, of_rows[i]); });
 }
 
 /// Of what each rank has found for its own particles.

@@ -215,6 +215,7 @@ void NeighbourSearch::find(FluidParticles& particles, NeighbourLists& lists) {
     std::vector<PairBlock>().swap(lists.blocks);  // first: never the old room and the new one at once
     lists.blocks = std::vector<PairBlock>(needed + needed / kHeadroom);
   }
+  if (particles.halo != nullptr) particles.halo->find_beside(lists);
 }
 
 std::size_t NeighbourSearch::fill(FluidParticles& particles, NeighbourLists& lists) {

@@ -37,10 +37,9 @@ std::vector<Vec4f>& iterates(FluidParticles& particles) {
 
 void accelerate_by_pressure(FluidParticles& particles, const NeighbourLists& lists, const Coupling& bodies) {
   auto& acceleration = accelerations(particles);
-  fill_kappa_of_ghosts(particles);
-  parallel_for(particles.size(),
-               [&](std::size_t i) { acceleration[i] = pressure_acceleration(i, particles, lists); });
-  fill_ghosts(particles, acceleration);
+  KappaOf kappa{particles.position};
+  for_rows(particles, kappa,
+           [&](std::size_t i) { acceleration[i] = pressure_acceleration(i, particles, lists); });
   bodies.find_push(particles);
 }
 
@@ -61,7 +60,7 @@ float fit_scale(FluidParticles& particles, float square_step, const Coupling& bo
   });
   const double needed = sum_of_ranks(particles, own_needed);
   const float scale = static_cast<float>(std::max(0.0, needed / (static_cast<double>(square_step) * square)));
-  parallel_for(acceleration.size(), [&](std::size_t i) {  // the ghosts' too
+  parallel_for(n, [&](std::size_t i) {
     particles.position[i][3] *= scale;
     acceleration[i] *= scale;
   });
@@ -116,7 +115,7 @@ void find_sources(FluidParticles& particles, const NeighbourLists& lists, const 
   source.resize(particles.size());
   iterate.resize(particles.size());
   fill_ghosts(particles, particles.velocity);
-  parallel_for(particles.size(), [&](std::size_t i) {
+  for_rows(particles, accelerations(particles), [&](std::size_t i) {
     const auto [rate, first] = both_rates(i, particles, lists, particles.velocity, accelerations(particles));
     source[i] = base(i, rate, first) + time_step * (rate + walls.density_rate(i));
     iterate[i][kFirstRate] = first + bodies.push_rate(i, particles);
@@ -232,17 +231,14 @@ PressureSolver::Progress PressureSolver::iterate(FluidParticles& particles, cons
                                                  float square_step, float relaxation,
                                                  std::span<const float> least, const Coupling& bodies,
                                                  bool first) {
-  const auto& acceleration = accelerations(particles);
+  auto& acceleration = accelerations(particles);
   const auto& source = sources(particles);
   auto& iterate = iterates(particles);
-  const Progress own = parallel_sum(particles.size(), Progress(), [&](std::size_t i) {
+  const auto progress = [&](std::size_t i, float rate) {
     const float diagonal = square_step * (particles.gradient_sum[i].squaredNorm() / particles.mass(i) +
                                           particles.gradient_square_sum[i] + bodies.push_diagonal(i));
     const float kappa = particles.position[i][3], bound = bound_of(least, i);
     const Vec4f last = iterate[i];
-    const float rate = first
-                           ? last[kFirstRate]
-                           : density_rate(i, particles, lists, acceleration) + bodies.push_rate(i, particles);
     const float violation = source[i] + square_step * rate;
     const float jacobi = violation / std::max(diagonal, square_step * kLeastDiagonal);
     const float proposed =
@@ -252,7 +248,16 @@ PressureSolver::Progress PressureSolver::iterate(FluidParticles& particles, cons
     return Progress{std::abs(std::max((bound - kappa) * diagonal, violation)),
                     (kappa - proposed) * diagonal * (proposed - last[kAccepted]), move * diagonal * move,
                     move * (last[kSeenViolation] - violation), violation};
-  });
+  };
+  const Progress own =
+      first ? parallel_sum(particles.size(), Progress(),
+                           [&](std::size_t i) { return progress(i, iterate[i][kFirstRate]); })
+            : sum_over_rows(
+                  particles, acceleration, Progress(),
+                  [&](std::size_t i) { return density_rate(i, particles, lists, acceleration); },
+                  [&](std::size_t i, float rate) {
+                    return progress(i, rate + bodies.push_rate(i, particles));
+                  });
   return sum_of_ranks(particles, own);
 }
 

@@ -51,10 +51,15 @@ class RankCells {
   void share(std::vector<T>& values) {
     if (!whole_) exchange_.swap(border_, values);
   }
-  /// The same of the cells of one colour.
+  /// The same of the cells of one colour; until they come: meanwhile().
   template <class T>
-  void share_colour(std::uint64_t colour, std::vector<T>& values) {
-    if (!whole_) exchange_.swap(border_of_colour_[colour], values);
+  void share_colour(std::uint64_t colour, std::vector<T>& values, const std::function<void()>& meanwhile) {
+    if (whole_) return meanwhile();
+    exchange_.swap(border_of_colour_[colour], values, meanwhile);
+  }
+  /// This rank's cells of a colour that others list; on a whole level none.
+  std::span<const std::uint32_t> told(std::uint64_t colour) const {
+    return whole_ ? std::span<const std::uint32_t>() : border_of_colour_[colour].sent.index;
   }
   /// values: of the links, each of which is known to the owner of the cell that it is from: gives it to that
   /// of the cell that it is to.

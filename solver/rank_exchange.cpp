@@ -3,7 +3,8 @@
 namespace kappaflow {
 
 /// The boxes, so many bytes a value.
-void RankExchange::transfer(const RankIndices& sent, const RankIndices& received, std::size_t width) {
+void RankExchange::transfer(const RankIndices& sent, const RankIndices& received, std::size_t width,
+                            const std::function<void()>& meanwhile) {
   const auto parcels = [width](const RankIndices& indices, std::span<std::byte> box) {
     std::vector<Parcel> result;
     indices.for_parts([&](int rank, std::span<const std::uint32_t> of_rank) {
@@ -12,7 +13,7 @@ void RankExchange::transfer(const RankIndices& sent, const RankIndices& received
     });
     return result;
   };
-  ranks_->exchange(parcels(sent, outbox_), parcels(received, inbox_));
+  ranks_->exchange(parcels(sent, outbox_), parcels(received, inbox_), meanwhile);
 }
 
 }  // namespace kappaflow

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -57,28 +58,33 @@ class RankExchange {
 
   Ranks& ranks() const { return *ranks_; }
 
-  /// Sends read(i) for the indices `sent`. Returns what has come for those `received`, until the next call.
+  /// Sends read(i) for the indices `sent`; until others' values come: meanwhile(). Returns what has come for
+  /// those `received`, until the next call.
   template <class T, class Read>
-  std::span<const T> swap(const RankIndices& sent, const RankIndices& received, const Read& read) {
+  std::span<const T> swap(
+      const RankIndices& sent, const RankIndices& received, const Read& read,
+      const std::function<void()>& meanwhile = [] {}) {
     outbox_.resize(sizeof(T) * sent.index.size());
     inbox_.resize(sizeof(T) * received.index.size());
     T* const out = reinterpret_cast<T*>(outbox_.data());
     parallel_for(sent.index.size(), [&](std::size_t k) { out[k] = read(sent.index[k]); });
-    transfer(sent, received, sizeof(T));
+    transfer(sent, received, sizeof(T), meanwhile);
     return {reinterpret_cast<const T*>(inbox_.data()), received.index.size()};
   }
   /// The same of the values themselves, each of which comes from one rank at most.
   template <class T>
-  void swap(const ExchangePlan& plan, std::vector<T>& values) {
+  void swap(
+      const ExchangePlan& plan, std::vector<T>& values, const std::function<void()>& meanwhile = [] {}) {
     const auto read = [&](std::size_t i) -> const T& { return values[i]; };
-    const std::span<const T> in = swap<T>(plan.sent, plan.received, read);
+    const std::span<const T> in = swap<T>(plan.sent, plan.received, read, meanwhile);
     parallel_for(in.size(), [&](std::size_t k) { values[plan.received.index[k]] = in[k]; });
   }
 
   std::size_t bytes() const { return bytes_of(outbox_, inbox_); }
 
  private:
-  void transfer(const RankIndices& sent, const RankIndices& received, std::size_t width);
+  void transfer(const RankIndices& sent, const RankIndices& received, std::size_t width,
+                const std::function<void()>& meanwhile);
 
   Ranks* ranks_;
   std::vector<std::byte> outbox_, inbox_;

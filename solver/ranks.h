@@ -85,7 +85,12 @@ class Ranks {
   virtual void gather_to_first(std::span<const std::byte> own, std::span<const std::size_t> sizes,
                                std::span<std::byte> all) = 0;
   /// Sends and receives, at most one parcel each way between two ranks, of the size that both know.
-  virtual void exchange(std::span<const Parcel> sent, std::span<const Parcel> received) = 0;
+  /// Until what is received has come: meanwhile(), which exchanges nothing itself.
+  virtual void exchange(std::span<const Parcel> sent, std::span<const Parcel> received,
+                        const std::function<void()>& meanwhile) = 0;
+  void exchange(std::span<const Parcel> sent, std::span<const Parcel> received) {
+    exchange(sent, received, [] {});
+  }
   /// Rank 0's bytes to all.
   virtual void broadcast(std::span<std::byte> bytes) = 0;
   /// As exchange(), but sleeps until both are through: where that may take long.

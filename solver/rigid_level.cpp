@@ -107,9 +107,9 @@ void RigidLevel::share_among(Ranks& ranks, const LiquidCut& cut, const LiquidCut
 void RigidLevel::reset() {
   link_cells();
   find_rows();
-  find_colours();
   centre.resize(cells());
   if (ranks_) ranks_->find_borders(*this);
+  find_colours();
 }
 
 void RigidLevel::make_room() {
@@ -163,6 +163,16 @@ void RigidLevel::find_colours() {
   end_ = first_of_colour_;
   for (std::uint32_t cell = 0; cell < cells(); ++cell)
     if (is_own(cell)) coloured_[end_[colour(cell)]++] = cell;
+  if (!ranks_) return;
+  for (std::uint64_t k = 0; k < kColours; ++k) {
+    std::vector<std::uint32_t> told(ranks_->told(k).begin(), ranks_->told(k).end());
+    std::ranges::sort(told);
+    const auto begin = coloured_.begin();
+    const auto inner =
+        std::stable_partition(begin + first_of_colour_[k], begin + first_of_colour_[k + 1],
+                              [&](std::uint32_t cell) { return std::ranges::binary_search(told, cell); });
+    told_[k] = static_cast<std::uint32_t>(inner - begin) - first_of_colour_[k];
+  }
 }
 
 bool RigidLevel::coarsen(RigidLevel& finer) {
@@ -289,22 +299,27 @@ RigidVector RigidLevel::residual(std::uint32_t cell, const Select& counts) const
   return result;
 }
 
+/// Calls work(cell) for the colour's cells; where ranks share them, first for those that others are told.
 template <class Work>
-void RigidLevel::for_cells_of(std::uint64_t colour, const Work& work) const {
-  const std::uint32_t begin = first_of_colour_[colour];
-  parallel_for(
-      first_of_colour_[colour + 1] - begin, [&](std::size_t c) { work(coloured_[begin + c]); }, kCellGrain);
+void RigidLevel::relax_colour(std::uint64_t colour, const Work& work) {
+  const auto relax_cells = [&](std::uint32_t begin, std::uint32_t end) {
+    parallel_for(
+        end - begin, [&](std::size_t c) { work(coloured_[begin + c]); }, kCellGrain);
+  };
+  const std::uint32_t begin = first_of_colour_[colour], end = first_of_colour_[colour + 1];
+  if (!ranks_) return relax_cells(begin, end);
+  const std::uint32_t inner = begin + told_[colour];
+  relax_cells(begin, inner);
+  ranks_->share_colour(colour, motion, [&] { relax_cells(inner, end); });
 }
 
 void RigidLevel::relax_from_zero() {
-  for (std::uint64_t k = 0; k < kColours; ++k) {
-    for_cells_of(k, [&](std::uint32_t cell) {
+  for (std::uint64_t k = 0; k < kColours; ++k)
+    relax_colour(k, [&](std::uint32_t cell) {
       motion[cell] = {};
       const RigidVector left = residual(cell, [&](std::uint32_t other) { return colour(other) < k; });
       motion[cell] = rigid::product(inverse_[cell], left);
     });
-    if (ranks_) ranks_->share_colour(k, motion);
-  }
 }
 
 void RigidLevel::restrict_to(RigidLevel& coarser) const {
@@ -323,11 +338,9 @@ void RigidLevel::restrict_to(RigidLevel& coarser) const {
 }
 
 void RigidLevel::relax() {
-  for (std::uint64_t k = kColours; k-- > 0;) {
-    for_cells_of(
+  for (std::uint64_t k = kColours; k-- > 0;)
+    relax_colour(
         k, [&](std::uint32_t cell) { motion[cell] += rigid::product(inverse_[cell], residual(cell, kAll)); });
-    if (ranks_) ranks_->share_colour(k, motion);
-  }
 }
 
 void RigidLevel::add_from(const RigidLevel& coarser) {

@@ -102,14 +102,15 @@ class RigidLevel {
   template <class Select>
   RigidVector residual(std::uint32_t cell, const Select& counts) const;
   template <class Work>
-  void for_cells_of(std::uint64_t colour, const Work& work) const;
+  void relax_colour(std::uint64_t colour, const Work& work);
 
   std::optional<RankCells> ranks_;  // where they share the level's cells
   std::vector<std::uint32_t> parent_;
-  std::vector<std::uint32_t> first_child_;         // in the finer level
-  std::vector<std::uint32_t> first_in_row_, row_;  // the links to a cell
-  std::vector<std::uint32_t> first_of_colour_, coloured_;
-  std::vector<std::uint32_t> end_;  // of rows or colours, while they are filled
+  std::vector<std::uint32_t> first_child_;                 // in the finer level
+  std::vector<std::uint32_t> first_in_row_, row_;          // the links to a cell
+  std::vector<std::uint32_t> first_of_colour_, coloured_;  // of each colour first what others are told
+  std::array<std::uint32_t, kColours> told_{};             // how many these are
+  std::vector<std::uint32_t> end_;                         // of rows or colours, while they are filled
   std::vector<RigidMatrix> inverse_;
 };
 

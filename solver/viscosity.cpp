@@ -104,8 +104,7 @@ class ViscositySolver::ConjugateGradients {
 
   /// Finds the residual anew.
   Squares restart() {
-    fill_ghosts(particles_, solution_);
-    parallel_for(particles_.size(), [this](std::size_t i) {
+    for_rows(particles_, solution_, [this](std::size_t i) {
       image_[i] = forces_.resistance(i, particles_, lists_, walls_, solution_);
     });
     return find_residual();
@@ -125,12 +124,14 @@ class ViscositySolver::ConjugateGradients {
 
   /// q = A p; returns p . q. In the order of the lists of neighbours, most of what is read.
   double curvature() {
-    fill_ghosts(particles_, direction_);
-    const double of_liquid = parallel_sum(particles_.size(), 0.0, [this](std::size_t i) {
-      image_[i] = particles_.mass(i) * direction_[i] +
-                  time_step_ * forces_.resistance(i, particles_, lists_, walls_, direction_);
-      return sum_of(direction_[i].cwiseProduct(image_[i]));
-    });
+    const double of_liquid = sum_over_rows(
+        particles_, direction_, 0.0,
+        [this](std::size_t i) {
+          image_[i] = particles_.mass(i) * direction_[i] +
+                      time_step_ * forces_.resistance(i, particles_, lists_, walls_, direction_);
+          return direction_[i].cwiseProduct(image_[i]).sum();
+        },
+        [](std::size_t, float product) { return static_cast<double>(product); });
     return sum_of_ranks(particles_, of_liquid) + bodies_.respond_to(direction_, image_);
   }
 

@@ -63,11 +63,16 @@ class ThreadRanks : public Ranks {
       if (rank_ == 0) copy_all(all);
     });
   }
-  void exchange(std::span<const Parcel> sent, std::span<const Parcel> received) override {
+  using Ranks::exchange;
+  void exchange(std::span<const Parcel> sent, std::span<const Parcel> received,
+                const std::function<void()>& meanwhile) override {
     std::unique_lock lock(board_.mutex);
     for (const Parcel& parcel : sent)
       board_.post[{rank_, parcel.rank}].emplace_back(parcel.bytes.begin(), parcel.bytes.end());
     board_.posted.notify_all();
+    lock.unlock();
+    meanwhile();
+    lock.lock();
     for (const Parcel& parcel : received) {
       auto& box = board_.post[{parcel.rank, rank_}];
       board_.posted.wait(lock, [&] { return !box.empty(); });

@@ -109,9 +109,15 @@ class MpiRanks : public Ranks {
     exchange({}, places_of_others(own, sizes, all));
   }
 
-  void exchange(std::span<const Parcel> sent, std::span<const Parcel> received) override {
+  using Ranks::exchange;
+  void exchange(std::span<const Parcel> sent, std::span<const Parcel> received,
+                const std::function<void()>& meanwhile) override {
+    {
+      const Timed timed(traffic_.seconds);
+      begin_exchange(sent, received);
+    }
+    meanwhile();
     const Timed timed(traffic_.seconds);
-    begin_exchange(sent, received);
     MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE);
   }
 
