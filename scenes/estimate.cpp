@@ -89,32 +89,6 @@ constexpr double kSplashPeak = 3;  // when, in units of when it begins
 constexpr double kRegionsPerMotion = 0.07, kStreamRegionsPerMotion = 7e-5;
 constexpr double kFoldingPower = 0.8, kMostFolding = 30;
 
-/// Those within 4.5 sigma of a surface with so many vertices, and one of eight in the depth: see Zone.
-double near_particles(const Scene& scene, double particles, double vertices) {
-  const double sigma = scene.surface.sigma, edge = scene.surface.edge_length * sigma;  // [spacings]
-  const double area = vertices / kVerticesPerCell * edge * edge;
-  return std::min(particles, 4.5 * sigma * area + particles / 8);
-}
-
-double memory(const Scene& scene, double particles, double boundary_particles, double vertices,
-              const LiquidPlace& place) {
-  const double methods = static_cast<double>(scene.surface.methods.size());
-  const double sample = kSampleSpacing * scene.surface.sigma;  // [spacings]
-  const double heat = scene.fluid.heat ? kBytesPerParticleOfHeat : 0;
-  const double collected = place.is_near     ? kBytesPerParticleSaved
-                           : place.is_apart  ? 0
-                           : place.share < 1 ? kBytesPerParticleCollected
-                                             : 0;
-  const double in_solver = place.share * (kBytesPerParticleInSolver + heat) + collected;
-  const double told = place.is_near ? near_particles(scene, particles, vertices) : particles;
-  const double samples = methods > 0 ? kSpread * told / (sample * sample * sample) : 0;
-  const double in_field = kBytesPerParticleInField + (place.is_apart ? kBytesPerParticleTold : 0);
-  const double run = particles * in_solver + told * in_field +
-                     boundary_particles * kBytesPerBoundaryParticle + methods * vertices * kBytesPerVertex +
-                     samples * kBytesPerSample;
-  return kBytesOfProgram + std::max(run, boundary_particles * kBytesPerSampledParticle);
-}
-
 /// What is the same at every moment of the run, of a scene and its walls.
 struct Flow {
   double block_area = 0;     // of the liquid's blocks [m2]
@@ -401,9 +375,36 @@ std::size_t whole_count(double number) {
   return whole_within<std::size_t>(number, 0, std::size_t{1} << 53);
 }
 
+/// Those within 4.5 sigma of a surface with so many vertices, and one of eight in the depth: see Zone.
+double near_particles(const Scene& scene, double particles, double vertices) {
+  const double sigma = scene.surface.sigma, edge = scene.surface.edge_length * sigma;  // [spacings]
+  const double area = vertices / kVerticesPerCell * edge * edge;
+  return std::min(particles, 4.5 * sigma * area + particles / 8);
+}
+
 }  // namespace
 
-SceneEstimate estimate(const PreparedScene& prepared, int threads, const LiquidPlace& place) {
+std::size_t memory_with_ranks(const Scene& scene, const SceneEstimate& cost, const LiquidPlace& place) {
+  const double particles = static_cast<double>(cost.particles) + static_cast<double>(cost.emitted),
+               boundary_particles = static_cast<double>(cost.boundary_particles);
+  const double methods = static_cast<double>(scene.surface.methods.size());
+  const double sample = kSampleSpacing * scene.surface.sigma;  // [spacings]
+  const double heat = scene.fluid.heat ? kBytesPerParticleOfHeat : 0;
+  const double collected = place.is_near     ? kBytesPerParticleSaved
+                           : place.is_apart  ? 0
+                           : place.share < 1 ? kBytesPerParticleCollected
+                                             : 0;
+  const double in_solver = place.share * (kBytesPerParticleInSolver + heat) + collected;
+  const double told = place.is_near ? near_particles(scene, particles, cost.vertices) : particles;
+  const double in_field = kBytesPerParticleInField + (place.is_apart ? kBytesPerParticleTold : 0);
+  const double samples = methods > 0 ? kSpread * told / (sample * sample * sample) : 0;
+  const double run = particles * in_solver + told * in_field +
+                     boundary_particles * kBytesPerBoundaryParticle +
+                     methods * cost.vertices * kBytesPerVertex + samples * kBytesPerSample;
+  return whole_count(kBytesOfProgram + std::max(run, boundary_particles * kBytesPerSampledParticle));
+}
+
+SceneEstimate estimate(const PreparedScene& prepared, int threads) {
   const Scene& scene = prepared.scene;
   double wall_area = 0;
   for (const SolidWall& wall : prepared.walls) wall_area += surface_area(wall.surface());
@@ -415,7 +416,7 @@ SceneEstimate estimate(const PreparedScene& prepared, int threads, const LiquidP
   result.emitted = whole_count(particles - static_cast<double>(result.particles));
   result.boundary_particles = whole_count(std::round(boundary));
   add_work(scene, prepared.start, flow_of(prepared, particles), threads, result);
-  result.memory_bytes = whole_count(memory(scene, particles, boundary, result.vertices, place));
+  result.memory_bytes = memory_with_ranks(scene, result, {});
   return result;
 }
 

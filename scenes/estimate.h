@@ -12,7 +12,7 @@ struct SceneEstimate {
   std::size_t particles = 0;           ///< of the liquid at the start, those in nozzles left out
   std::size_t emitted = 0;             ///< by emitters until the end
   std::size_t boundary_particles = 0;  ///< of the walls
-  std::size_t memory_bytes = 0;        ///< of the program at its peak, its libraries included
+  std::size_t memory_bytes = 0;        ///< of the program at its peak, its libraries included; of one process
   double steps = 0;                    ///< of the solver
   double particle_steps = 0;           ///< sum over these of the particles
   double vertices = 0;                 ///< of one surface, when it has the most
@@ -29,6 +29,9 @@ struct LiquidPlace {
 
 /// threads: on which the run will be, >= 1. The models and their constants stand in estimate.cpp; seconds are
 /// good to a factor of about two, but for thin threads of thick liquid: docs/performance.md.
-SceneEstimate estimate(const PreparedScene& prepared, int threads, const LiquidPlace& place = {});
+SceneEstimate estimate(const PreparedScene& prepared, int threads);
+
+/// SceneEstimate::memory_bytes of all that the machine of the first of several ranks has to hold.
+std::size_t memory_with_ranks(const Scene& scene, const SceneEstimate& cost, const LiquidPlace& place);
 
 }  // namespace kappaflow

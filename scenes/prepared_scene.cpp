@@ -45,7 +45,6 @@ std::vector<RigidBody> bodies_of(const Scene& scene, MeshFiles& meshes) {
   return bodies;
 }
 
-/// meshes: all of the scene's, read before.
 std::string hash_of(const Scene& scene, MeshFiles& meshes) {
   TextHash hash;
   hash.add(scene.text);
@@ -59,22 +58,43 @@ std::string hash_of(const Scene& scene, MeshFiles& meshes) {
   return hash.text();
 }
 
-}  // namespace
-
-PreparedScene prepare(Scene scene) {
-  MeshFiles meshes;
+PreparedScene with_solids(Scene scene, MeshFiles& meshes) {
   PreparedScene prepared;
   prepared.walls = walls_of(scene, meshes);
   prepared.bodies = bodies_of(scene, meshes);
   check_apart(scene, prepared.walls, prepared.bodies);
-  const std::vector<SolidWall> solids = all_solids(prepared.walls, prepared.bodies);
-  FilledBlocks filled = fill_blocks(scene, solids, meshes);
-  check_emitters(scene, solids, filled.particles.position);
-  prepared.start = std::move(filled.particles);
-  prepared.block_area = filled.area;
-  prepared.hash = hash_of(scene, meshes);
   prepared.scene = std::move(scene);
   return prepared;
+}
+
+void fill(PreparedScene& prepared, MeshFiles& meshes) {
+  const std::vector<SolidWall> solids = all_solids(prepared.walls, prepared.bodies);
+  FilledBlocks filled = fill_blocks(prepared.scene, solids, meshes);
+  check_emitters(prepared.scene, solids, filled.particles.position);
+  prepared.start = std::move(filled.particles);
+  prepared.block_area = filled.area;
+}
+
+}  // namespace
+
+PreparedScene prepare(Scene scene) {
+  MeshFiles meshes;
+  PreparedScene prepared = with_solids(std::move(scene), meshes);
+  fill(prepared, meshes);
+  prepared.hash = hash_of(prepared.scene, meshes);
+  return prepared;
+}
+
+PreparedScene prepare_without_particles(Scene scene) {
+  MeshFiles meshes;
+  PreparedScene prepared = with_solids(std::move(scene), meshes);
+  prepared.hash = hash_of(prepared.scene, meshes);
+  return prepared;
+}
+
+void add_particles(PreparedScene& prepared) {
+  MeshFiles meshes;
+  fill(prepared, meshes);
 }
 
 }  // namespace kappaflow

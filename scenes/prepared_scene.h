@@ -30,7 +30,7 @@ struct PreparedScene {
   std::vector<SolidWall> walls;   ///< one for each of scene.walls
   std::vector<RigidBody> bodies;  ///< one for each of scene.bodies
   FluidParticlesAtStart start;
-  double block_area = 0;  ///< of the surfaces of all blocks [m2]
+  double block_area = 0;  ///< of the surfaces of all blocks, once filled [m2]
   std::string hash;       ///< TextHash of the scene's text and of the mesh files, those of the blocks first,
                           ///< then the walls' and the bodies'
 };
@@ -40,6 +40,12 @@ struct PreparedScene {
 /// particles (those of the emitters included), ones too far out for single precision, an emitter whose nozzle
 /// is not free, or a body in a wall or another body.
 PreparedScene prepare(Scene scene);
+
+/// The same without the particles, and what depends on them unchecked: for who has the liquid elsewhere.
+PreparedScene prepare_without_particles(Scene scene);
+
+/// Fills the blocks of such a scene, whose meshes it reads again; throws as prepare() does.
+void add_particles(PreparedScene& prepared);
 
 /// How many particles an emitter makes until the scene's end, if no liquid comes into its nozzle.
 double emitted_particles(const Emitter& emitter, const Scene& scene);

@@ -70,6 +70,26 @@ TEST(PreparedScene, ReadsAMeshFileOnceHoweverOftenItIsNamed) {
   EXPECT_EQ(mesh_opened.count(), 2) << "the counter itself";
 }
 
+TEST(PreparedScene, ParticlesMayComeLater) {
+  temporary_file("cube.obj", cube());
+  const auto file = temporary_file("cubes.toml", kCubes);
+  const PreparedScene whole = prepare(load_scene(file));
+  PreparedScene without = prepare_without_particles(load_scene(file));
+  EXPECT_EQ(without.hash, whole.hash);
+  EXPECT_EQ(without.walls.size(), whole.walls.size());
+  EXPECT_TRUE(without.start.position.empty());
+  add_particles(without);
+  EXPECT_EQ(without.start.position, whole.start.position);
+  EXPECT_EQ(without.start.source, whole.start.source);
+  EXPECT_EQ(without.block_area, whole.block_area);
+
+  Scene full = load_scene(file);
+  full.blocks.push_back(full.blocks.front());
+  PreparedScene unchecked = prepare_without_particles(full);
+  EXPECT_THROW(prepare(full), InvalidInput);
+  EXPECT_THROW(add_particles(unchecked), InvalidInput);
+}
+
 TEST(PreparedScene, WallsAndTheirSolidsAreThoseOfTheScene) {
   temporary_file("cube.obj", cube());
   const PreparedScene prepared = prepare(load_scene(temporary_file("cubes.toml", kCubes)));

@@ -12,6 +12,7 @@
 
 #include "core/stopwatch.h"
 #include "scenes/prepared_scene.h"
+#include "solver/broadcast_state.h"
 #include "solver/fluid_solver.h"
 #include "tools/io/files.h"
 #include "tools/runs/progress.h"
@@ -44,12 +45,16 @@ struct Measurement {
   }
 };
 
-/// The scene with about as many particles.
-PreparedScene resized(const PreparedScene& prepared, std::size_t particles) {
-  const double now = static_cast<double>(prepared.start.position.size());
-  Scene scene = prepared.scene;
-  scene.fluid.spacing *= std::cbrt(now / static_cast<double>(particles));
-  return prepare(std::move(scene));
+/// The particles come from the first of several ranks.
+PreparedScene prepared_on(const Ranks* ranks, Scene scene) {
+  return ranks != nullptr && ranks->rank() > 0 ? prepare_without_particles(std::move(scene))
+                                               : prepare(std::move(scene));
+}
+
+/// A scene of so many particles with about as many as are wanted.
+Scene resized(Scene scene, std::size_t particles, std::size_t wanted) {
+  scene.fluid.spacing *= std::cbrt(static_cast<double>(particles) / static_cast<double>(wanted));
+  return scene;
 }
 
 FluidSolver solver_of(const PreparedScene& prepared, Ranks* ranks) {
@@ -215,22 +220,30 @@ std::string shares_line(const Measurement& m) {
   return fmt::format("shares {}\n", words);
 }
 
-/// Calls work(scene, threads) for every size and number of threads.
+/// Calls work(scene, threads) for every size and number of threads. particles: of the scene itself.
 template <class Work>
-void for_cases(const BenchmarkOptions& options, const Work& work) {
-  const PreparedScene prepared = prepare(load_scene(options.scene));
+void for_cases(const BenchmarkOptions& options, const PreparedScene& prepared, std::size_t particles,
+               const Work& work) {
   const auto at_size = [&](const PreparedScene& sized) {
     for (const int threads : options.threads) work(sized, threads);
   };
   if (options.particles.empty()) at_size(prepared);
-  for (const std::size_t particles : options.particles) at_size(resized(prepared, particles));
+  for (const std::size_t wanted : options.particles)
+    at_size(prepared_on(options.ranks, resized(prepared.scene, particles, wanted)));
 }
 
 }  // namespace
 
 std::string benchmark(const BenchmarkOptions& options) {
+  const PreparedScene prepared = prepare(load_scene(options.scene));
+  std::size_t particles = prepared.start.position.size();
+  if (options.ranks != nullptr) {
+    options.ranks->announce({RankTask::resume});
+    broadcast_state(*options.ranks, particles);
+    options.ranks->finish();
+  }
   std::vector<Measurement> measurements;
-  for_cases(options, [&](const PreparedScene& sized, int threads) {
+  for_cases(options, prepared, particles, [&](const PreparedScene& sized, int threads) {
     measurements.push_back(measure(sized, threads, options));
   });
   if (!options.csv.empty()) write_file(options.csv, csv(measurements));
@@ -259,8 +272,12 @@ std::vector<double> balanced_shares(const std::vector<double>& speeds) {
 }
 
 void follow_benchmark(const BenchmarkOptions& options) {
+  const PreparedScene prepared = prepare_without_particles(load_scene(options.scene));
+  if (options.ranks->next_order().task == RankTask::end) return;
+  std::size_t particles = 0;
+  broadcast_state(*options.ranks, particles);
   std::optional<RankTask> task;  // what the first rank does next, once it has said so
-  for_cases(options, [&](const PreparedScene& sized, int threads) {
+  for_cases(options, prepared, particles, [&](const PreparedScene& sized, int threads) {
     if (!task) task = options.ranks->next_order().task;
     if (task == RankTask::end) return;
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,

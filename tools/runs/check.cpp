@@ -169,15 +169,13 @@ std::string check_text(const PreparedScene& prepared, int threads) {
              duration_text(cost.seconds), threads, threads == 1 ? "" : "s");
 }
 
-void require_memory(const PreparedScene& prepared, std::size_t available, const LiquidPlace& place) {
-  if (!prepared.scene.fluid.outflows.empty()) return;  // the estimate does not know what they take
-  const std::size_t needed = estimate(prepared, 1, place).memory_bytes;
+void require_memory(const Scene& scene, std::size_t needed, std::size_t available) {
+  if (!scene.fluid.outflows.empty()) return;  // the estimate does not know what they take
   if (needed > available)
-    throw InvalidInput(
-        fmt::format("{}: needs about {:.3g} GB of memory, there are {:.3g} GB; a larger "
-                    "[fluid] spacing needs less",
-                    prepared.scene.file.string(), static_cast<double>(needed) / 1e9,
-                    static_cast<double>(available) / 1e9));
+    throw InvalidInput(fmt::format(
+        "{}: needs about {:.3g} GB of memory, there are {:.3g} GB; a larger "
+        "[fluid] spacing needs less",
+        scene.file.string(), static_cast<double>(needed) / 1e9, static_cast<double>(available) / 1e9));
 }
 
 std::size_t machine_memory() {

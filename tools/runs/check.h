@@ -12,9 +12,8 @@ namespace kappaflow {
 /// A readable summary of the scene with the estimate for this many threads.
 std::string check_text(const PreparedScene& prepared, int threads);
 
-/// Throws InvalidInput where the scene's estimate is more than `available` bytes of memory. place: see
-/// estimate().
-void require_memory(const PreparedScene& prepared, std::size_t available, const LiquidPlace& place = {});
+/// Throws InvalidInput where the scene is foreseen to need more than `available` bytes of memory.
+void require_memory(const Scene& scene, std::size_t needed, std::size_t available);
 
 /// Of the machine [bytes].
 std::size_t machine_memory();

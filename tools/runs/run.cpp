@@ -49,20 +49,9 @@ RunSettings settings_for(const RunOptions& begun_with, const std::string& hash, 
           .save_beginning = [begun_with, hash](StateWriter& archive) { archive(begun_with, hash); }};
 }
 
-/// Whether the first of several ranks has the surfaces and nothing of the liquid: where that is foreseen to
-/// be quicker. For any number of threads the same.
-bool surfaces_apart(const PreparedScene& prepared, const RunOptions& options) {
-  if (options.ranks == nullptr) return false;
-  const SceneEstimate cost = estimate(prepared, 1);
-  const double ranks = options.ranks->size(), liquid = cost.liquid_seconds, surfaces = cost.seconds - liquid;
-  return std::max(liquid / (ranks - 1), surfaces) < liquid / ranks + surfaces;
-}
-
 /// Whether surfaces that are apart are told of the particles near them alone: where these are many, and
 /// nothing asks for all of them.
-bool near_alone(const PreparedScene& prepared, const RunOptions& options) {
-  const SurfaceDescription& surface = prepared.scene.surface;
-  const SceneEstimate cost = estimate(prepared, 1);
+bool near_alone(const SurfaceDescription& surface, const SceneEstimate& cost, const RunOptions& options) {
   const bool all = surface.kernels != Kernels::round || surface.weights != WeightRule::uniform ||
                    surface.anchor == Anchor::particles ||
                    std::ranges::count(surface.methods, "fresh-particles") > 0 ||
@@ -70,33 +59,45 @@ bool near_alone(const PreparedScene& prepared, const RunOptions& options) {
   return !all && cost.particles + cost.emitted > options.many;
 }
 
+/// The first of several ranks has the surfaces and nothing of the liquid where that is foreseen to be
+/// quicker. For any number of threads the same.
+LiquidPlace place_of_liquid(const Scene& scene, const SceneEstimate& cost, const RunOptions& options) {
+  if (options.ranks == nullptr) return {};
+  const Ranks& all = *options.ranks;
+  const double ranks = all.size(), liquid = cost.liquid_seconds, surfaces = cost.seconds - liquid;
+  const bool is_apart = std::max(liquid / (ranks - 1), surfaces) < liquid / ranks + surfaces;
+  const int first = is_apart ? 1 : 0;  // that has liquid
+  double here = 0;
+  for (const int rank : all.on_this_machine())
+    if (rank >= first) here += all.share_of(rank, 1);
+  return {here / all.share_of(first, all.size() - first), is_apart,
+          is_apart && near_alone(scene.surface, cost, options)};
+}
+
+/// Throws InvalidInput where this machine has too little memory for it.
+LiquidPlace place_with_room(const PreparedScene& prepared, const RunOptions& options) {
+  const Scene& scene = prepared.scene;
+  const SceneEstimate cost = estimate(prepared, 1);
+  const LiquidPlace place = place_of_liquid(scene, cost, options);
+  require_memory(scene, memory_with_ranks(scene, cost, place), machine_memory());
+  return place;
+}
+
 /// folder: of the run.
-std::unique_ptr<Liquid> liquid_of(PreparedScene& prepared, const RunOptions& options,
+std::unique_ptr<Liquid> liquid_of(PreparedScene& prepared, const LiquidPlace& place, Ranks* ranks,
                                   const fs::path& folder) {
-  if (!surfaces_apart(prepared, options)) return own_liquid(prepared, options.ranks);
-  const bool near = near_alone(prepared, options);
+  if (!place.is_apart) return own_liquid(prepared, ranks);
   prepared.start = {};
-  return std::make_unique<DistantLiquid>(prepared, *options.ranks, near ? fs::absolute(folder) : fs::path());
+  return std::make_unique<DistantLiquid>(prepared, *ranks, place.is_near ? fs::absolute(folder) : fs::path());
 }
 
 /// Makes the first mesh; until it is there nothing is to be saved, and a signal ends the program at once.
 /// prepared: is to outlive it.
-SceneFrames first_frame(PreparedScene& prepared, const RunOptions& options, const fs::path& folder) {
+SceneFrames first_frame(PreparedScene& prepared, const LiquidPlace& place, const RunOptions& options,
+                        const fs::path& folder) {
   StatusLine status(!options.quiet);
   status.show("making the first mesh");
-  return {prepared, liquid_of(prepared, options, folder)};
-}
-
-LiquidPlace place_of_liquid(const PreparedScene& prepared, const RunOptions& options) {
-  if (options.ranks == nullptr) return {};
-  const Ranks& ranks = *options.ranks;
-  const bool is_apart = surfaces_apart(prepared, options);
-  const int first = is_apart ? 1 : 0;  // that has liquid
-  double here = 0;
-  for (const int rank : ranks.on_this_machine())
-    if (rank >= first) here += ranks.share_of(rank, 1);
-  return {here / ranks.share_of(first, ranks.size() - first), is_apart,
-          is_apart && near_alone(prepared, options)};
+  return {prepared, liquid_of(prepared, place, options.ranks, folder)};
 }
 
 RunSummary begin(const RunOptions& options) {
@@ -109,12 +110,12 @@ RunSummary begin(const RunOptions& options) {
         fmt::format("{}: no velocity method to track with; name one in [surface] methods or by "
                     "--track, \"material\" where only the liquid matters",
                     scene.file.string()));
-  require_memory(prepared, machine_memory(), place_of_liquid(prepared, options));
+  const LiquidPlace place = place_with_room(prepared, options);
   RunOptions begun_with = options;
   begun_with.scene = fs::absolute(options.scene);  // for whoever resumes it from elsewhere
   RunFolder folder(folder_for(options), scene.surface.methods, options.force);
   folder.write_scene(scene.text);
-  SceneFrames frames = first_frame(prepared, options, folder.path());
+  SceneFrames frames = first_frame(prepared, place, options, folder.path());
   const InterruptGuard guard;
   RunDriver driver(frames, folder, settings_for(begun_with, hash, scene), watch);
   folder.write_record(run_record(options, scene, frames));
@@ -122,11 +123,14 @@ RunSummary begin(const RunOptions& options) {
   return driver.advance(guard);
 }
 
+/// Makes a scene ready: prepare(), or prepare_without_particles().
+using Prepare = PreparedScene (*)(Scene);
+
 /// The scene in the run's folder, as long as it is the one that the run began with.
 PreparedScene resumed_scene(const RunOptions& begun_with, const std::string& hash, const fs::path& folder,
-                            const fs::path& named) {
+                            const fs::path& named, Prepare make_ready) {
   const std::string text = read_file(folder / kSceneFile);
-  PreparedScene prepared = prepare(scene_for(begun_with, parse_scene(text, begun_with.scene)));
+  PreparedScene prepared = make_ready(scene_for(begun_with, parse_scene(text, begun_with.scene)));
   if (prepared.hash != hash)
     throw InvalidInput({(folder / kSceneFile).string()},
                        "the scene, or a mesh that it names, has changed since the run began");
@@ -145,17 +149,17 @@ RunSummary resume(const RunOptions& options) {
   int frame = 0;
   saved.read(begun_with, hash, frame);
   begun_with.quiet = options.quiet;
-  PreparedScene prepared = resumed_scene(begun_with, hash, folder.path(), options.scene);
+  PreparedScene prepared = resumed_scene(begun_with, hash, folder.path(), options.scene, prepare);
   const Scene scene = prepared.scene;
   if (frame == last_frame_of(scene)) return complete_run(folder.path(), frame);
 
-  require_memory(prepared, machine_memory(), place_of_liquid(prepared, options));
+  const LiquidPlace place = place_with_room(prepared, options);
   if (options.ranks != nullptr) {  // what the run has saved the first rank alone reads
     options.ranks->announce({RankTask::resume});
     broadcast_state(*options.ranks, begun_with, hash);
     options.ranks->finish();
   }
-  SceneFrames frames = first_frame(prepared, options, folder.path());
+  SceneFrames frames = first_frame(prepared, place, options, folder.path());
   const InterruptGuard guard;
   RunDriver driver(frames, folder, settings_for(begun_with, hash, scene), watch);
   driver.restore(frame, saved);
@@ -174,12 +178,14 @@ void follow_run(const RunOptions& options) {
     if (ranks.next_order().task == RankTask::end) return;
     broadcast_state(ranks, begun_with, hash);
   }
-  PreparedScene prepared = options.resume.empty()
-                               ? prepare(scene_for(options, load_scene(options.scene)))
-                               : resumed_scene(begun_with, hash, options.resume, options.scene);
+  PreparedScene prepared =
+      options.resume.empty()
+          ? prepare_without_particles(scene_for(options, load_scene(options.scene)))
+          : resumed_scene(begun_with, hash, options.resume, options.scene, prepare_without_particles);
   const RankOrder order = ranks.next_order();
   if (order.task == RankTask::make) make_fluid(prepared, &ranks).follow();
   if (order.task != RankTask::serve) return;
+  if (ranks.rank() == 1) add_particles(prepared);  // the first of those that share the liquid
   serve_liquid(std::move(prepared), ranks, order);
   ranks.next_order();  // the end
 }

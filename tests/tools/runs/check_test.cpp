@@ -8,9 +8,11 @@ namespace {
 
 // The staircase of a thousand particles takes tens of megabytes, and any machine has them.
 TEST(Check, ASceneThatDoesNotFitIsRefused) {
-  const PreparedScene scene = prepare(load_scene(KAPPAFLOW_SOURCE_DIR "/scenes/staircase-small.toml"));
-  EXPECT_NO_THROW(require_memory(scene, machine_memory()));
-  const std::string message = message_of<InvalidInput>([&] { require_memory(scene, 1'000'000); });
+  const PreparedScene prepared = prepare(load_scene(KAPPAFLOW_SOURCE_DIR "/scenes/staircase-small.toml"));
+  const std::size_t needed = estimate(prepared, 1).memory_bytes;
+  EXPECT_NO_THROW(require_memory(prepared.scene, needed, machine_memory()));
+  const std::string message =
+      message_of<InvalidInput>([&] { require_memory(prepared.scene, needed, 1'000'000); });
   EXPECT_NE(message.find("staircase-small.toml: needs about 0.0"), std::string::npos) << message;
   EXPECT_NE(message.find(" GB of memory, there are 0.001 GB; a larger [fluid] spacing needs less"),
             std::string::npos)
