@@ -91,19 +91,16 @@ class RankExchange {
 };
 
 /// How many things come from each rank, for how many go there.
-inline std::vector<std::size_t> swapped_counts(Ranks& ranks, const std::vector<std::size_t>& sent) {
-  const std::size_t n = sent.size(), own = static_cast<std::size_t>(ranks.rank());
-  const std::vector<std::size_t> all =
-      ranks.gathered(std::span<const std::size_t>(sent), std::vector<std::size_t>(n, n));
-  std::vector<std::size_t> received(n);
-  for (std::size_t r = 0; r < n; ++r) received[r] = all[r * n + own];
+inline std::vector<std::uint64_t> swapped_counts(Ranks& ranks, std::span<const std::uint64_t> sent) {
+  std::vector<std::uint64_t> received(sent.size());
+  ranks.swap_counts(sent, received);
   return received;
 }
 
 /// What each rank has for this one, for what this one has for each: one list a rank.
 template <class T>
 std::vector<std::vector<T>> swapped(Ranks& ranks, std::vector<std::vector<T>> sent) {
-  std::vector<std::size_t> counts(sent.size());
+  std::vector<std::uint64_t> counts(sent.size());
   std::vector<std::vector<T>> received(sent.size());
   std::vector<Parcel> out, in;
   const auto add = [](std::vector<Parcel>& parcels, std::size_t rank, std::vector<T>& values) {

@@ -91,6 +91,8 @@ class Ranks {
   void exchange(std::span<const Parcel> sent, std::span<const Parcel> received) {
     exchange(sent, received, [] {});
   }
+  /// received[r] = what rank r gives for this one, which gives sent[r] for it: one number each.
+  virtual void swap_counts(std::span<const std::uint64_t> sent, std::span<std::uint64_t> received) = 0;
   /// Rank 0's bytes to all.
   virtual void broadcast(std::span<std::byte> bytes) = 0;
   /// As exchange(), but sleeps until both are through: where that may take long.

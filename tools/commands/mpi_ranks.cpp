@@ -103,6 +103,12 @@ class MpiRanks : public Ranks {
     MPI_Allgatherv(own.data(), count, MPI_BYTE, all.data(), counts.data(), begins.data(), MPI_BYTE, all_);
   }
 
+  void swap_counts(std::span<const std::uint64_t> sent, std::span<std::uint64_t> received) override {
+    note(static_cast<std::size_t>(size_ - 1), sizeof(std::uint64_t));
+    const Timed timed(traffic_.seconds);
+    MPI_Alltoall(sent.data(), 1, MPI_UINT64_T, received.data(), 1, MPI_UINT64_T, all_);
+  }
+
   void gather_to_first(std::span<const std::byte> own, std::span<const std::size_t> sizes,
                        std::span<std::byte> all) override {
     if (rank_ > 0) return exchange(std::array{to_send(own, 0)}, {});
