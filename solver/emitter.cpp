@@ -257,7 +257,7 @@ bool Emitters::add_due(FluidParticles& particles, std::size_t index, double time
     if (const Vec3 x = p.head<3>().cast<double>(); (x - mouth).norm() < reach + clearance) near_.push_back(x);
   if (particles.halo != nullptr) near_ = particles.halo->ranks().gathered(near_);
 
-  const std::size_t before = particles.source.size();
+  const std::uint64_t before = particles.made;
   for (const Vec3& rest : due_) {
     const Vec3 x = pose * rest, beside = rest - e.position;
     if (std::ranges::any_of(near_, [&](const Vec3& other) { return (other - x).norm() < clearance; }))
@@ -267,9 +267,9 @@ bool Emitters::add_due(FluidParticles& particles, std::size_t index, double time
     if (is_first_rank(particles))
       particles.add(x, v, e.fluid, static_cast<std::uint8_t>(index + 1), e.source);
     else
-      particles.source.push_back(e.source);
+      ++particles.made;
   }
-  return particles.source.size() > before;
+  return particles.made > before;
 }
 
 bool Emitters::emit(FluidParticles& particles, double time) {

@@ -54,8 +54,8 @@ inline Vec4f padded(const Vec3& v) {
   return {f.x(), f.y(), f.z(), 0};
 }
 
-/// All arrays but `source` and `mass_of_fluid` have one entry a particle; where ranks share the liquid
-/// (halo.h) some have the ghosts' entries behind them. Every particle has the same rest volume spacing^3.
+/// All arrays but `mass_of_fluid` have one entry a particle; where ranks share the liquid (halo.h) some have
+/// the ghosts' entries behind them. Every particle has the same rest volume spacing^3.
 struct FluidParticles {
   // The state: carried from step to step, permuted when the particles are sorted.
   std::vector<std::uint32_t> id;
@@ -70,15 +70,15 @@ struct FluidParticles {
   std::vector<float> least_pressure;  ///< least kappa of the former, <= 0, see viscous_pressure.h [m2/s2]
   std::vector<std::uint8_t> fluid;    ///< which of the fluids of FluidOptions it belongs to
   std::vector<std::uint8_t> led_by;   ///< 0: free; k + 1: keeps the velocity of emitter k
+  std::vector<int> source;            ///< where it comes from, by the caller's numbers
 
   std::vector<double> temperature;  ///< [K]; empty where there is no heat
 
+  /// By all ranks since the start, those that are gone included: the ids below have been used.
+  std::uint64_t made = 0;
+
   /// By fluid: mass of its particles over that of fluid 0's [1]; empty where all have the same.
   std::vector<float> mass_of_fluid;
-
-  /// By id, so that nothing is to be permuted: where it comes from, by the caller's numbers; of a particle
-  /// that is gone, whose id is not used again, the number of the outflow that took it.
-  std::vector<int> source;
 
   // What follows from the positions: recomputed after every move.
   std::vector<float> density;              ///< over the rest density [1]
@@ -105,7 +105,7 @@ struct FluidParticles {
   template <class Archive>
   void serialize(Archive& archive) {
     archive(id, position, velocity, viscous_velocity, viscous_acceleration, density_pressure,
-            divergence_pressure, least_pressure, fluid, led_by, temperature, source);
+            divergence_pressure, least_pressure, fluid, led_by, source, temperature, made);
   }
 
   /// Calls visit(member) for the arrays of the state that have one entry a particle.
@@ -114,7 +114,8 @@ struct FluidParticles {
     const auto each = [&](auto... members) { (visit(members), ...); };
     using P = FluidParticles;
     each(&P::id, &P::position, &P::velocity, &P::viscous_velocity, &P::viscous_acceleration,
-         &P::density_pressure, &P::divergence_pressure, &P::least_pressure, &P::fluid, &P::led_by);
+         &P::density_pressure, &P::divergence_pressure, &P::least_pressure, &P::fluid, &P::led_by,
+         &P::source);
     if (heat) visit(&P::temperature);
   }
 
@@ -135,7 +136,7 @@ struct FluidParticles {
       (in_one(arrays), ...);
     };
     keep_in(id, position, velocity, viscous_velocity, viscous_acceleration, density_pressure,
-            divergence_pressure, least_pressure, fluid, led_by);
+            divergence_pressure, least_pressure, fluid, led_by, source);
     if (!temperature.empty()) keep_in(temperature);
   }
 
@@ -143,19 +144,19 @@ struct FluidParticles {
   void shrink() {
     const auto in_each = [](auto&... arrays) { (arrays.shrink_to_fit(), ...); };
     in_each(id, position, velocity, viscous_velocity, viscous_acceleration, density_pressure,
-            divergence_pressure, least_pressure, fluid, led_by, temperature);
+            divergence_pressure, least_pressure, fluid, led_by, source, temperature);
   }
 
   std::size_t bytes() const {
     return bytes_of(id, position, velocity, viscous_velocity, viscous_acceleration, density_pressure,
-                    divergence_pressure, least_pressure, fluid, led_by, temperature, source, density,
+                    divergence_pressure, least_pressure, fluid, led_by, source, temperature, density,
                     gradient_sum, gradient_square_sum, viscosity, wall_viscosity, scratch[0], scratch[1],
                     scratch[2], scalar_scratch, mass_of_fluid);
   }
 
   /// Appends a particle without pressure; its id is the number of those made before.
   void add(const Vec3& x, const Vec3& v, std::uint8_t of_fluid, std::uint8_t emitter, int from) {
-    id.push_back(static_cast<std::uint32_t>(source.size()));
+    id.push_back(static_cast<std::uint32_t>(made++));
     position.push_back(padded(x));
     velocity.push_back(padded(v));
     viscous_velocity.push_back(padded(v));

@@ -15,7 +15,7 @@ namespace {
 /// Where the particles are, by ascending id.
 std::vector<std::uint32_t> order_by_id(const FluidParticles& particles) {
   constexpr std::uint32_t kGone = std::numeric_limits<std::uint32_t>::max();
-  std::vector<std::uint32_t> place(particles.source.size(), kGone);
+  std::vector<std::uint32_t> place(particles.made, kGone);
   for (std::size_t i = 0; i < particles.size(); ++i) place[particles.id[i]] = static_cast<std::uint32_t>(i);
   std::erase(place, kGone);
   return place;
@@ -25,7 +25,7 @@ std::vector<std::uint32_t> order_by_id(const FluidParticles& particles) {
 template <class T, class Value>
 std::vector<T> values_by_id(const FluidParticles& particles, const Value& value) {
   std::vector<T> result;
-  if (particles.size() == particles.source.size()) {  // none is gone
+  if (particles.size() == particles.made) {  // none is gone
     result.resize(particles.size());
     for (std::size_t i = 0; i < particles.size(); ++i) result[particles.id[i]] = value(i);
     return result;
@@ -64,20 +64,20 @@ void FluidSolver::State::restart() {
 /// What the first rank has read: it keeps the particles until they go to where they belong, and tells the
 /// others the rest.
 void FluidSolver::State::share_restored() {
-  broadcast_state(*ranks, time, steps, fastest, particles.source, emitters, bodies);
+  broadcast_state(*ranks, time, steps, fastest, particles.made, emitters, outflows, bodies);
   if (ranks->rank() > 0) particles.keep({});
 }
 
 template <class Archive>
 void FluidSolver::State::serialize(Archive& archive) {
   if constexpr (Archive::is_loading::value) {
-    archive(time, steps, fastest, particles, emitters, bodies);
+    archive(time, steps, fastest, particles, emitters, outflows, bodies);
     together({RankTask::restore}, [this] { restart(); });
   } else if (ranks == nullptr) {
-    archive(time, steps, fastest, particles, emitters, bodies);
+    archive(time, steps, fastest, particles, emitters, outflows, bodies);
   } else {
     all_particles(false);
-    archive(time, steps, fastest, whole, emitters, bodies);
+    archive(time, steps, fastest, whole, emitters, outflows, bodies);
   }
 }
 
@@ -95,9 +95,10 @@ SavedFluid FluidSolver::take_saved(Archive& archive, const FluidOptions& options
   double fastest = 0;
   FluidParticles particles;
   Emitters emitters(options);
+  Outflows outflows(options);
   RigidBodies moved(bodies, options.density, options.spacing);
-  archive(saved.time, saved.steps, fastest, particles, emitters, moved);
-    saved.bytes = state_bytes(saved.time, saved.steps, fastest, particles, emitters, moved);
+  archive(saved.time, saved.steps, fastest, particles, emitters, outflows, moved);
+  saved.bytes = state_bytes(saved.time, saved.steps, fastest, particles, emitters, outflows, moved);
   return saved;
 }
 template SavedFluid FluidSolver::take_saved(StateReader&, const FluidOptions&, std::span<const RigidBody>);
@@ -171,8 +172,7 @@ std::size_t FluidSolver::size() const {
 }
 
 std::vector<std::size_t> FluidSolver::taken() const {
-  if (state_->options.outflows.empty()) return {};  // nothing is to be collected
-  return state_->outflows.taken(state_->all_particles(true));
+  return state_->outflows.taken();
 }
 
 /// As quantile(): of several ranks by halving the range of the numbers' bits, which ascend with them.
@@ -255,7 +255,7 @@ std::vector<double> FluidSolver::temperatures(Whose whose) const {
 
 std::vector<int> FluidSolver::sources(Whose whose) const {
   const FluidParticles& p = state_->particles_of(whose, false);
-  return values_by_id<int>(p, [&](std::size_t i) { return p.source[p.id[i]]; });
+  return values_by_id<int>(p, [&](std::size_t i) { return p.source[i]; });
 }
 
 }  // namespace kappaflow

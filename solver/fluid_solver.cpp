@@ -64,7 +64,7 @@ FluidStep FluidSolver::step(double time_left) {
 
 /// Puts the first particles where they belong.
 void FluidSolver::State::begin() {
-  if (ranks != nullptr) ranks->broadcast_values(particles.source);
+  if (ranks != nullptr) ranks->broadcast(bytes_in(std::span(&particles.made, 1)));
   emit(0);
   if (sum_of_ranks(particles, particles.size()) == 0)
     throw InvalidInput("fluid: there are no particles at the start");

@@ -53,12 +53,12 @@ void Halo::migrate(FluidParticles& particles) {
   for (std::uint32_t i = 0; i < n; ++i) leaving[static_cast<std::size_t>(owner[i])].push_back(i);
   std::vector<std::uint32_t> kept;
   kept.swap(leaving[static_cast<std::size_t>(ranks_.rank())]);
-  std::vector<std::vector<std::byte>> packages(leaving.size());  // one a rank
   std::size_t width = 0;
+  FluidParticles::for_state(heat_, [&](auto member) { width += sizeof((particles.*member)[0]); });
+  std::vector<std::vector<std::byte>> packages(leaving.size());  // one a rank
+  for (std::size_t r = 0; r < packages.size(); ++r) packages[r].reserve(width * leaving[r].size());
   FluidParticles::for_state(heat_, [&](auto member) {
-    const auto& array = particles.*member;
-    width += sizeof(array[0]);
-    for (std::size_t r = 0; r < packages.size(); ++r) append(packages[r], array, leaving[r]);
+    for (std::size_t r = 0; r < packages.size(); ++r) append(packages[r], particles.*member, leaving[r]);
   });
   packages = swapped(ranks_, std::move(packages));
   if (kept.size() < n) particles.keep(kept);
@@ -128,7 +128,7 @@ void Halo::find_sent(const FluidParticles& particles) {
 
 void Halo::find_ghosts(FluidParticles& particles) {
   find_sent(particles);
-  std::vector<std::size_t> counts(static_cast<std::size_t>(ranks_.size()), 0);
+  std::vector<std::uint64_t> counts(static_cast<std::size_t>(ranks_.size()), 0);
   plan_.sent.for_parts([&](int rank, std::span<const std::uint32_t> of_rank) {
     counts[static_cast<std::size_t>(rank)] = of_rank.size();
   });
@@ -172,7 +172,7 @@ void Halo::collect(const FluidParticles& particles, bool motion, FluidParticles&
     FluidParticles::for_state(heat_, collect_one);
     collect_one(&FluidParticles::density);
   }
-  whole.source = particles.source;
+  whole.made = particles.made;
   whole.mass_of_fluid = particles.mass_of_fluid;
 }
 

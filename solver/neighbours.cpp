@@ -156,6 +156,9 @@ void NeighbourSearch::sort(FluidParticles& particles) {
     permute_in_wider(
         *array, id_buffer_, [](std::uint8_t byte) -> std::uint32_t { return byte; },
         [](std::uint32_t byte) { return static_cast<std::uint8_t>(byte); });
+  permute_in_wider(
+      particles.source, id_buffer_, [](int number) { return static_cast<std::uint32_t>(number); },
+      [](std::uint32_t number) { return static_cast<int>(number); });
 }
 
 void NeighbourSearch::find_in_chunk(std::size_t chunk, const FluidParticles& particles,

@@ -102,7 +102,7 @@ class NeighbourSearch {
                 std::span<const std::uint32_t> found, std::span<PairBlock> blocks) const;
   template <class T>
   void permute(std::vector<T>& array, std::vector<T>& buffer) const;
-  /// By way of a buffer of wider numbers, which serves others too.
+  /// By way of a buffer of numbers no narrower, which serves others too.
   template <class T, class Wider, class Widen, class Narrow>
   void permute_in_wider(std::vector<T>& array, std::vector<Wider>& buffer, const Widen& widen,
                         const Narrow& narrow) const;

@@ -68,24 +68,15 @@ void Outflows::take(FluidParticles& particles) {
     region_of_[i] = static_cast<std::uint8_t>(found - regions_.begin());
   });
   kept_.clear();
-  taken_.clear();
+  std::vector<std::size_t> now(regions_.size(), 0);
   for (std::size_t i = 0; i < particles.size(); ++i)
     if (region_of_[i] == regions_.size())
       kept_.push_back(static_cast<std::uint32_t>(i));
     else
-      taken_.push_back({particles.id[i], region_of_[i]});
-  if (particles.halo != nullptr) taken_ = particles.halo->ranks().gathered(taken_);
-  for (const Taken& one : taken_) particles.source[one.id] = one.region;
+      ++now[region_of_[i]];
+  sum_each_of_ranks(particles, now);
+  for (std::size_t region = 0; region < now.size(); ++region) taken_[region] += now[region];
   if (kept_.size() < particles.size()) particles.keep(kept_);
-}
-
-std::vector<std::size_t> Outflows::taken(const FluidParticles& particles) const {
-  std::vector<char> is_there(particles.source.size(), 0);
-  for (const std::uint32_t id : particles.id) is_there[id] = 1;
-  std::vector<std::size_t> taken(regions_.size(), 0);
-  for (std::size_t id = 0; id < is_there.size(); ++id)
-    if (!is_there[id]) ++taken[static_cast<std::size_t>(particles.source[id])];
-  return taken;
 }
 
 }  // namespace kappaflow

@@ -20,25 +20,26 @@ bool is_in(const Outflow& outflow, const Vec3& x);
 class Outflows {
  public:
   /// Those of the options. Precondition: check_outflow() passes for each.
-  explicit Outflows(const FluidOptions& options) : regions_(options.outflows) {}
+  explicit Outflows(const FluidOptions& options) : regions_(options.outflows), taken_(regions_.size(), 0) {}
 
   /// Takes away the particles that are in a region, the first one where regions overlap. The others keep
   /// their order.
   void take(FluidParticles& particles);
 
-  /// How many particles each region has taken since the start.
-  std::vector<std::size_t> taken(const FluidParticles& particles) const;
+  /// How many particles each region has taken since the start, on all ranks.
+  const std::vector<std::size_t>& taken() const { return taken_; }
+
+  /// See core/saved_state.h.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(taken_);
+  }
 
  private:
-  struct Taken {
-    std::uint32_t id;
-    std::int32_t region;
-  };
-
   std::vector<Outflow> regions_;
   std::vector<std::uint8_t> region_of_;  // of a particle; as many as there are regions: none
   std::vector<std::uint32_t> kept_;
-  std::vector<Taken> taken_;  // in this step, by any rank
+  std::vector<std::size_t> taken_;  // by each region
 };
 
 }  // namespace kappaflow

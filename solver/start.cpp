@@ -147,6 +147,8 @@ std::vector<float> masses_of_fluids(const FluidOptions& options) {
 FluidParticles particles_at_start(std::span<const Vec3> position, std::span<const Vec3> velocity,
                                   std::span<const std::uint8_t> fluid, std::span<const int> source) {
   FluidParticles particles;
+  // Of all ranks' particles: growing would take up to the double.
+  FluidParticles::for_state(false, [&](auto member) { (particles.*member).reserve(position.size()); });
   for (std::size_t i = 0; i < position.size(); ++i)
     particles.add(position[i], velocity[i], fluid.empty() ? std::uint8_t{0} : fluid[i], 0,
                   source.empty() ? 0 : source[i]);

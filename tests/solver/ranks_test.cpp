@@ -7,10 +7,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <sstream>
 
 #include "core/errors.h"
 #include "core/saved_state.h"
+#include "solver/rank_exchange.h"
 #include "solver/wall_bodies.h"
 #include "tests/solver/shapes.h"
 #include "tests/solver/streams.h"
@@ -262,6 +264,68 @@ TEST(Ranks, MakeAndTakeParticlesAsOneDoes) {
     EXPECT_EQ(after.size(), fluid.size());
     EXPECT_EQ(fluid.sources(), std::vector<int>(after.size(), 4));
   });
+}
+
+/// A block with a number of its own for each particle, beside a stream; an outflow takes from both.
+constexpr int kFirstSource = 1000;
+FluidSolver numbered_block(Ranks* ranks) {
+  FluidOptions o = options(0.01);
+  test::add_stream(o);
+  const auto points = test::block({-0.4, 0.5, -0.2}, {0.3, 0.8, 0.2}, kSpacing);
+  std::vector<int> source(points.size());
+  std::iota(source.begin(), source.end(), kFirstSource);
+  return {o, points, std::vector<Vec3>(points.size(), Vec3(2, 0, 0)), {}, {}, source, {}, {}, ranks};
+}
+
+/// Whether each particle has its source, and the number of all that were made is known.
+void expect_numbered(const FluidSolver& fluid) {
+  const int in_block = 14 * 6 * 8, of_stream = 4;
+  const Particles now = fluid.particles();
+  const std::vector<int> sources = fluid.sources();
+  ASSERT_EQ(sources.size(), now.size());
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    const int id = static_cast<int>(now.id[i]);
+    ASSERT_EQ(sources[i], id < in_block ? kFirstSource + id : of_stream);
+  }
+  const std::vector<std::size_t> taken = fluid.taken();
+  const std::size_t made = std::accumulate(taken.begin(), taken.end(), now.size());
+  EXPECT_EQ(now.id.back() + 1, static_cast<std::int64_t>(made)) << "the last one is still in the nozzle";
+}
+
+TEST(Ranks, ParticlesTakeTheirSourcesAlong) {
+  std::string bytes;
+  std::vector<std::size_t> taken;
+  on_ranks(3, numbered_block, [&](FluidSolver& fluid) {
+    course_of(fluid, 20);
+    expect_numbered(fluid);
+    taken = fluid.taken();
+    bytes = saved(fluid);
+  });
+  EXPECT_GT(taken[0], 50u);
+  for (const int ranks : {1, 2, 4})
+    on_ranks(ranks, numbered_block, [&](FluidSolver& fluid) {
+      restore(fluid, bytes);
+      EXPECT_EQ(fluid.taken(), taken) << ranks;
+      EXPECT_EQ(saved(fluid).size(), bytes.size()) << ranks;
+      course_of(fluid, 10);
+      EXPECT_GT(fluid.taken()[0], taken[0]) << ranks;
+      expect_numbered(fluid);
+    });
+}
+
+TEST(Ranks, EachGetsWhatIsForIt) {
+  constexpr int kRanks = 5;
+  RankBoard board(kRanks);
+  std::vector<std::jthread> threads;
+  for (int rank = 0; rank < kRanks; ++rank)
+    threads.emplace_back([&, rank] {
+      ThreadRanks ranks(board, rank);
+      std::vector<std::vector<int>> sent(kRanks);
+      for (int to = 0; to < kRanks; ++to) sent[to].assign(rank * to, 10 * rank + to);
+      const std::vector<std::vector<int>> received = swapped(ranks, sent);
+      for (int from = 0; from < kRanks; ++from)
+        EXPECT_EQ(received[from], std::vector<int>(from * rank, 10 * from + rank));
+    });
 }
 
 TEST(Ranks, GoOnWithWhatAnotherNumberOfThemHasSaved) {

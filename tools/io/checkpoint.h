@@ -9,7 +9,7 @@
 namespace kappaflow {
 
 /// Of the file and of the state in it; to be raised whenever a serialize() changes.
-inline constexpr std::uint32_t kCheckpointFormat = 14;
+inline constexpr std::uint32_t kCheckpointFormat = 15;
 
 /// Replaces the file as a whole, and returns when it is on the disk. The file holds, in little-endian order:
 /// the 8 bytes "kf-state"; the format (4 bytes); the CRC-32 of the state (4 bytes); its length (8 bytes); the

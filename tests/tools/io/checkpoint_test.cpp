@@ -38,7 +38,7 @@ TEST_F(Checkpoint, LayoutIsAsDocumented) {
   // 8 + (1 byte of cereal that says little-endian) + 4 + 4 + 8 bytes, then the state.
   ASSERT_EQ(bytes_.size(), 25 + kState.size());
   EXPECT_EQ(bytes_.substr(0, 9), "kf-state\1");
-  EXPECT_EQ(bytes_.substr(9, 4), std::string("\16\0\0\0", 4));
+  EXPECT_EQ(bytes_.substr(9, 4), std::string("\17\0\0\0", 4));
   EXPECT_EQ(bytes_.substr(17, 8), std::string("\22\0\0\0\0\0\0\0", 8));
   EXPECT_EQ(bytes_.substr(25), kState);
 }
@@ -105,7 +105,8 @@ const std::map<std::uint32_t, std::string> kFingerprints{
     {3, "fnv1a64:7d099df4ba2b9f48"},  {4, "fnv1a64:293c961b76ee8448"},  {5, "fnv1a64:182fe77ae7c73c16"},
     {6, "fnv1a64:182fe77ae7c73c16"},  {7, "fnv1a64:e51fb08d084b46a6"},  {8, "fnv1a64:dde5bb2f7cf3353d"},
     {9, "fnv1a64:6dd15e9a68aea971"},  {10, "fnv1a64:99c3c28c012158eb"}, {11, "fnv1a64:d03e485498b196e7"},
-    {12, "fnv1a64:d0fd73cdce2bb271"}, {13, "fnv1a64:9911f7dcc8c97d0d"}, {14, "fnv1a64:9c492722a874b307"}};
+    {12, "fnv1a64:d0fd73cdce2bb271"}, {13, "fnv1a64:9911f7dcc8c97d0d"}, {14, "fnv1a64:9c492722a874b307"},
+    {15, "fnv1a64:589714e493774506"}};
 
 TEST(CheckpointFormat, IsRaisedWhenAStateIsSavedInAnotherWay) {
   ASSERT_TRUE(kFingerprints.contains(kCheckpointFormat));
