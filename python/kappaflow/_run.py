@@ -14,7 +14,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from kappaflow._meshes import Mesh, Particles
-from kappaflow._vtp import read_vtp
+from kappaflow._vtp import read_pieces, read_vtp
 from kappaflow.errors import InvalidInput, IoError
 
 Item = TypeVar("Item")
@@ -136,7 +136,7 @@ def _series(file: Path) -> list[tuple[float, Path]]:
 
 
 def _read_particles(file: Path) -> Particles:
-    data = read_vtp(file)
+    data = read_pieces(file)
     return Particles(float(data.fields["TimeValue"][0]), data.positions, data.arrays)
 
 

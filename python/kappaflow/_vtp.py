@@ -41,6 +41,24 @@ def read_vtp(path: str | os.PathLike[str]) -> PolyData:
         raise IoError(f"{path}: is damaged, or no .vtp file of kappaflow's: {error}") from None
 
 
+def read_pieces(path: str | os.PathLike[str]) -> PolyData:
+    """The same, of points that may lie in several files, the pieces that a .pvtp file lists."""
+    if Path(path).suffix != ".pvtp":
+        return read_vtp(path)
+    try:
+        sources = [piece.get("Source", "") for piece in ElementTree.fromstring(Path(path).read_bytes()).iter("Piece")]
+    except OSError as error:
+        raise IoError(f"{path}: {error.strerror}") from None
+    except ElementTree.ParseError as error:
+        raise IoError(f"{path}: is damaged, or no .pvtp file of kappaflow's: {error}") from None
+    if not sources:
+        raise IoError(f"{path}: lists no pieces")
+    pieces = [read_vtp(Path(path).parent / source) for source in sources]
+    first = pieces[0]
+    return first._replace(positions=np.concatenate([piece.positions for piece in pieces]),
+                          arrays={name: np.concatenate([piece.arrays[name] for piece in pieces]) for name in first.arrays})
+
+
 def _poly_data(root: ElementTree.Element) -> PolyData:
     if root.get("type") != "PolyData" or root.get("compressor") != "vtkZLibDataCompressor":
         raise ValueError(f"type {root.get('type')}, compressor {root.get('compressor')}")

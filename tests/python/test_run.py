@@ -34,6 +34,25 @@ def test_a_run_and_its_frames(staircase):
     assert walls.triangles.shape[1] == 3 and np.ptp(walls.positions[:, 2]) == pytest.approx(1.6, rel=1e-6)
 
 
+def test_particles_may_lie_in_pieces(staircase, tmp_path):
+    """As ranks write them: here one frame as two pieces that are the same file."""
+    folder = tmp_path / "copy"
+    shutil.copytree(staircase, folder)
+    whole = kappaflow.read_run(folder).particles[3]
+    collection = folder / "particles.pvd"
+    collection.write_text(collection.read_text().replace("particles_0003.vtp", "particles_0003.pvtp"))
+    listed = folder / "particles/particles_0003.pvtp"
+    listed.write_text('<VTKFile type="PPolyData"><PPolyData><Piece Source="particles_0003.vtp"/>'
+                      '<Piece Source="particles_0003.vtp"/></PPolyData></VTKFile>')
+    particles = kappaflow.read_run(folder).particles[3]
+    assert particles.time == whole.time
+    np.testing.assert_array_equal(particles.positions, np.concatenate([whole.positions] * 2))
+    np.testing.assert_array_equal(particles["id"], np.concatenate([whole["id"]] * 2))
+    listed.write_text('<VTKFile type="PPolyData"><PPolyData/></VTKFile>')
+    with pytest.raises(kappaflow.IoError, match="lists no pieces"):
+        kappaflow.read_run(folder).particles[3]
+
+
 def test_frames_are_read_when_they_are_asked_for(staircase, tmp_path):
     folder = tmp_path / "copy"
     shutil.copytree(staircase, folder)

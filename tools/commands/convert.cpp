@@ -49,7 +49,7 @@ ExportSettings settings_for(const ConvertOptions& options, const RunFrames& run)
 void convert_frame(const RunFrames& run, int frame, const FrameExport& files) {
   for (const std::string& method : run.methods())
     files.write_surface(frame, method, *run.surface(method, frame));
-  if (run.has_particles()) files.write_particles(frame, *read_surface(run.folder() / particle_file(frame)));
+  if (run.has_particles()) files.write_particles(frame, *run.particle_data(frame));
   if (run.walls_move()) files.write_walls(frame, *run.walls(frame));
   files.finish_frame(frame);
 }

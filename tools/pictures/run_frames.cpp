@@ -1,8 +1,10 @@
 #include "tools/pictures/run_frames.h"
 
 #include <fmt/format.h>
+#include <vtkAppendPolyData.h>
 #include <vtkDataArray.h>
 #include <vtkFieldData.h>
+#include <vtkNew.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +12,7 @@
 #include <utility>
 
 #include "core/errors.h"
+#include "tools/io/parallel_vtk.h"
 #include "tools/io/surface_file.h"
 #include "tools/pictures/hiding_walls.h"
 #include "tools/runs/run_folder.h"
@@ -78,6 +81,15 @@ bool RunFrames::has_particles() const {
 
 InputFrame RunFrames::particles(int frame) const {
   return read_input_frame(particles_of(folder_, frame));
+}
+
+vtkSmartPointer<vtkPolyData> RunFrames::particle_data(int frame) const {
+  const std::vector<fs::path> pieces = pieces_of(particles_of(folder_, frame));
+  if (pieces.size() == 1) return read_surface(pieces.front());
+  const vtkNew<vtkAppendPolyData> all;
+  for (const fs::path& piece : pieces) all->AddInputData(read_surface(piece));
+  all->Update();
+  return all->GetOutput();
 }
 
 bool RunFrames::walls_move() const {

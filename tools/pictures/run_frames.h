@@ -38,7 +38,8 @@ class RunFrames {
   vtkSmartPointer<vtkPolyData> walls(int frame) const;  ///< null: there are none
   bool walls_move() const;
   bool has_particles() const;
-  InputFrame particles(int frame) const;  ///< throws InvalidInput too
+  InputFrame particles(int frame) const;                        ///< throws InvalidInput too
+  vtkSmartPointer<vtkPolyData> particle_data(int frame) const;  ///< with all that their files hold
 
  private:
   bool has_frame(int frame) const;

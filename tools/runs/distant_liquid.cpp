@@ -94,12 +94,12 @@ std::string receive(Ranks& ranks, int from) {
 
 template <class... Values>
 void send_values(Ranks& ranks, int to, const Values&... values) {
-    send(ranks, to, state_bytes(values...));
+  send(ranks, to, state_bytes(values...));
 }
 
 template <class... Values>
 void receive_values(Ranks& ranks, int from, Values&... values) {
-    read_state_bytes(receive(ranks, from), values...);
+  read_state_bytes(receive(ranks, from), values...);
 }
 
 Order next_order(Ranks& ranks) {
@@ -229,7 +229,7 @@ class LiquidServer {
   }
 
   void tell(News news) {
-        std::string bytes = state_bytes(news);
+    std::string bytes = state_bytes(news);
     news = {};  // large
     send(ranks_, kSurfaces, std::move(bytes));
   }

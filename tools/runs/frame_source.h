@@ -59,6 +59,9 @@ class FrameSource {
   virtual SurfaceGroup& surfaces() = 0;  ///< for whoever gives them arrays
   /// How particles become the surfaces' field; null where it is not of particles.
   virtual const ParticleFieldOptions* particle_field() const = 0;
+  /// Whether FrameReport has all particles, else some of them, or there are none.
+  virtual bool tells_particles() const { return particle_field() != nullptr; }
+
   virtual const MaterialTracers& tracers() const = 0;
   /// Walls, then bodies, at t = 0.
   virtual std::vector<TriangleSurface> walls_at_start() const { return {}; }

@@ -36,7 +36,7 @@ ExportSettings export_settings(const FrameSource& source, const OutputDescriptio
                           .texture = {bounding_box(mesh.rest_position), output.texture},
                           .origin = far_origin(mesh.position),
                           .walls_move = source.walls_move(),
-                          .has_particles = source.particle_field() != nullptr};
+                          .has_particles = source.tells_particles()};
   std::vector<double> times;
   for (int frame = 0; frame <= source.last_frame(); ++frame) times.push_back(source.time_of(frame));
   settings.frames_per_second = real_time_rate(times);

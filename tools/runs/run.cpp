@@ -54,8 +54,7 @@ RunSettings settings_for(const RunOptions& begun_with, const std::string& hash, 
 bool near_alone(const SurfaceDescription& surface, const SceneEstimate& cost, const RunOptions& options) {
   const bool all = surface.kernels != Kernels::round || surface.weights != WeightRule::uniform ||
                    surface.anchor == Anchor::particles ||
-                   std::ranges::count(surface.methods, "fresh-particles") > 0 ||
-                   std::ranges::count(options.formats, MeshFormat::usd) > 0;
+                   std::ranges::count(surface.methods, "fresh-particles") > 0;
   return !all && cost.particles + cost.emitted > options.many;
 }
 

@@ -27,6 +27,7 @@ class SceneFrames : public FrameSource {
   const TrackedSurfaces& surfaces() const override { return simulation_.surfaces(); }
   TrackedSurfaces& surfaces() override { return simulation_.surfaces(); }
   const ParticleFieldOptions* particle_field() const override { return &surfaces().field_options(); }
+  bool tells_particles() const override { return simulation_.liquid().tells_all(); }
   const MaterialTracers& tracers() const override { return simulation_.tracers(); }
   std::vector<TriangleSurface> walls_at_start() const override;
   bool walls_move() const override { return simulation_.solids_move(); }
