@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/cell_grid.h"
+#include "core/machine_memory.h"
 #include "scenes/shapes.h"
 #include "solver/emitter.h"
 
@@ -14,8 +15,9 @@ namespace {
 #ifdef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION
 constexpr double kMaxParticles = 5e3;  // a fuzzer is to try scenes, not to wait for large ones
 #else
-constexpr double kMaxParticles = 50e6;
+constexpr double kMaxParticles = 4e9;  // ids have 32 bits
 #endif
+constexpr double kBytesPerPoint = 60;  // while blocks are filled
 /// Particles start at least this far from a wall, in spacings: half a spacing, less rounding in mesh files.
 constexpr double kWallClearance = 0.499;
 constexpr double kBlockClearance = 0.9;
@@ -43,6 +45,12 @@ std::vector<Vec3> checked_lattice(const FluidBlock& block, const Solid& solid, d
                        fmt::format("the liquid would have {:.3g} particles of spacing {} m; allowed: at most "
                                    "{:.3g}, with a larger spacing or smaller blocks",
                                    static_cast<double>(particles_before) + size, spacing, kMaxParticles));
+  if (const double there = static_cast<double>(machine_memory()); kBytesPerPoint * size > there)
+    throw InvalidInput(
+        block.where,
+        fmt::format("the block would have {:.3g} particles of spacing {} m, which take {:.3g} GB "
+                    "of memory at the start alone; there are {:.3g} GB",
+                    size, spacing, 1e-9 * kBytesPerPoint * size, 1e-9 * there));
   std::vector<Vec3> points = lattice_points(solid, spacing);
   if (points.empty())
     throw InvalidInput(block.where,

@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "core/errors.h"
+#include "core/quantile.h"
 #include "core/saved_state.h"
 #include "solver/rank_exchange.h"
 #include "solver/wall_bodies.h"
@@ -167,6 +168,21 @@ TEST(Ranks, AreAlikeHoweverManyTheyAre) {
   const Course two = course_on(2, make, 4), nine = course_on(9, make, 4);
   EXPECT_LT(difference(two.particles, nine.particles), 1e-5);
   EXPECT_EQ(two.viscosity, nine.viscosity);
+}
+
+// Of five ranks some have no particle that is fast.
+TEST(Ranks, FindTheSpeedThatAShareStaysBelow) {
+  for (const int size : {1, 2, 5})
+    on_ranks(
+        size, [](Ranks* ranks) { return falling_block(1, ranks); },
+        [&](FluidSolver& fluid) {
+          for (int k = 0; k < 3; ++k) fluid.step(1e3);
+          const Particles all = fluid.particles();
+          std::vector<double> speed;
+          for (const Vec3& v : all.velocity) speed.push_back(v.norm());
+          for (const double share : {0.0, 0.5, 0.999, 1.0})
+            EXPECT_EQ(fluid.fast_speed(share), quantile(speed, share)) << size << " ranks, " << share;
+        });
 }
 
 TEST(Ranks, GiveTheSameBitsEveryTime) {

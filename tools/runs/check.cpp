@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -176,10 +175,6 @@ void require_memory(const Scene& scene, std::size_t needed, std::size_t availabl
         "{}: needs about {:.3g} GB of memory, there are {:.3g} GB; a larger "
         "[fluid] spacing needs less",
         scene.file.string(), static_cast<double>(needed) / 1e9, static_cast<double>(available) / 1e9));
-}
-
-std::size_t machine_memory() {
-  return static_cast<std::size_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
 }
 
 }  // namespace kappaflow

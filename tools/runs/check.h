@@ -15,7 +15,4 @@ std::string check_text(const PreparedScene& prepared, int threads);
 /// Throws InvalidInput where the scene is foreseen to need more than `available` bytes of memory.
 void require_memory(const Scene& scene, std::size_t needed, std::size_t available);
 
-/// Of the machine [bytes].
-std::size_t machine_memory();
-
 }  // namespace kappaflow

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/errors.h"
+#include "core/machine_memory.h"
 #include "core/read_file.h"
 #include "scenes/estimate.h"
 #include "solver/broadcast_state.h"

@@ -1,6 +1,7 @@
 #include "tools/runs/check.h"
 
 #include "core/errors.h"
+#include "core/machine_memory.h"
 #include "tests/tools/scratch.h"
 
 namespace kappaflow {

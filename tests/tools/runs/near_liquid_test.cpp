@@ -1,6 +1,10 @@
 // Surfaces apart that are told of the particles near them, and particles in pieces; ranks are threads.
 #include "tools/runs/near_liquid.h"
 
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkXMLPPolyDataReader.h>
+
 #include <algorithm>
 #include <csignal>
 #include <fstream>
@@ -18,8 +22,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A ball with its middle 14 spacings deep, that falls, and a hot drop. Nothing flat of a lattice, where edges
-/// are of one length and rounding says which is edited.
+/// A ball with its middle 14 spacings deep, that falls, and a hot drop. Nothing flat of a lattice, where
+/// edges are of one length and rounding says which is edited.
 constexpr const char* kScene = R"(
 duration = 0.04
 [fluid]
@@ -174,6 +178,14 @@ TEST_F(NearLiquids, WritesAPieceARankWhateverTheirNumber) {
     expect_same_surface(folder / "all" / surface_file("regional", frame),
                         folder / "near" / surface_file("regional", frame));
   }
+  const vtkNew<vtkXMLPPolyDataReader> reader;
+  reader->SetFileName((folder / "near" / particle_list(kLast)).c_str());
+  reader->Update();
+  const auto alone = read_vtp(folder / "all" / particle_file(kLast));
+  EXPECT_EQ(reader->GetOutput()->GetNumberOfPoints(), alone->GetNumberOfPoints());
+  EXPECT_EQ(reader->GetOutput()->GetPointData()->GetNumberOfArrays(),
+            alone->GetPointData()->GetNumberOfArrays());
+  EXPECT_EQ(reader->GetOutput()->GetPoints()->GetDataType(), VTK_DOUBLE);
   const std::string listed = bytes_of(folder / "near" / "particles.pvd");
   EXPECT_NE(listed.find("particles/particles_0004.pvtp"), std::string::npos);
 }
