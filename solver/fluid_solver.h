@@ -50,7 +50,8 @@ struct SolverMemory {
   std::size_t wall_particles = 0;
 };
 
-/// Whose particles: of all ranks that share the liquid, known to the first one, or a rank's own.
+/// Whose particles: of all ranks that share the liquid, known to the first one, by ascending id; or a rank's
+/// own, as they lie.
 enum class Whose { all, own };
 
 /// What a solver has saved, see core/saved_state.h, as it is.
@@ -105,12 +106,12 @@ class FluidSolver {
   std::vector<BodyState> bodies() const;  ///< now, in the order given
   double fast_speed(double share) const;  ///< quantile() of the particles' speeds [m/s]
   SolverMemory memory() const;
-  Particles particles(Whose whose = Whose::all) const;               ///< now, sorted by id
-  std::vector<float> densities(Whose whose = Whose::all) const;      ///< by id [kg/m3]
-  std::vector<float> pressures(Whose whose = Whose::all) const;      ///< by id [Pa]
-  std::vector<std::uint8_t> fluids(Whose whose = Whose::all) const;  ///< by id, which fluid
-  std::vector<int> sources(Whose whose = Whose::all) const;          ///< by id, as given, or of the emitter
-  std::vector<double> temperatures(Whose whose = Whose::all) const;  ///< by id [K]; empty without heat
+  Particles particles(Whose whose = Whose::all) const;               ///< now
+  std::vector<float> densities(Whose whose = Whose::all) const;      ///< [kg/m3]
+  std::vector<float> pressures(Whose whose = Whose::all) const;      ///< [Pa]
+  std::vector<std::uint8_t> fluids(Whose whose = Whose::all) const;  ///< which fluid
+  std::vector<int> sources(Whose whose = Whose::all) const;          ///< as given, or of the emitter
+  std::vector<double> temperatures(Whose whose = Whose::all) const;  ///< [K]; empty without heat
 
   /// See core/saved_state.h; for a solver that was made with the same arguments.
   template <class Archive>

@@ -159,9 +159,7 @@ T max_of_ranks(const FluidParticles& particles, const T& own) {
 template <class T>
 void sum_each_of_ranks(const FluidParticles& particles, std::vector<T>& values) {
   if (particles.halo == nullptr || values.empty()) return;
-  const std::vector<T> all = particles.halo->ranks().gathered(values);
-  for (std::size_t k = 0; k < values.size(); ++k) values[k] = all[k];
-  for (std::size_t k = values.size(); k < all.size(); ++k) values[k % values.size()] += all[k];
+  values = particles.halo->ranks().sum_each(values);
 }
 
 inline bool is_first_rank(const FluidParticles& particles) {

@@ -19,20 +19,20 @@ enum class RankTask : std::int64_t {
   end,
   resume,
   make,
-  step,
+  step,  ///< value: the time left for it [s]
   collect_motion,
   collect_all,
   collect_shares,
   restore,
-  find_speed,      ///< below which a share of the particles is
+  find_speed,      ///< below which the share `value` of the particles is
   serve,           ///< the liquid is that of the others alone; value: whether all of its particles are told
   find_near,       ///< particles near the surface; value: whether all that is known of them
-  write_particles  ///< each its own
+  write_particles  ///< each its own; value: the frame
 };
 
 struct RankOrder {
   RankTask task = RankTask::end;
-  double value = 0;  ///< of a step: the time left for it [s]; of find_speed: the share
+  double value = 0;  ///< what the task says of it
 };
 
 /// What a rank has sent since the start, and how long it was, awake, at that and at waiting for the others
@@ -170,6 +170,16 @@ class Ranks {
   template <class T>
   T max(const T& own) {
     return combined(own, [](const T& a, const T& b) -> T { return a < b ? b : a; });
+  }
+
+  /// The same of each of as many values.
+  template <class T>
+  std::vector<T> sum_each(const std::vector<T>& own) {
+    const std::vector<T> all = gathered(
+        std::span<const T>(own), std::vector<std::size_t>(static_cast<std::size_t>(size()), own.size()));
+    std::vector<T> result(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(own.size()));
+    for (std::size_t k = own.size(); k < all.size(); ++k) result[k % own.size()] += all[k];
+    return result;
   }
 
   /// The values of all ranks, counts[r] of rank r.

@@ -123,6 +123,12 @@ void cut_to_lines(const fs::path& path, std::size_t lines) {
   if (error) fail(path, "cannot be cut back", error.value());
 }
 
+void remove_file(const fs::path& path) {
+  std::error_code error;
+  fs::remove(path, error);
+  if (error) fail(path, "cannot be removed", error.value());
+}
+
 void make_folder(const fs::path& path) {
   std::error_code error;
   fs::create_directories(path, error);

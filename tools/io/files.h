@@ -41,6 +41,9 @@ void append_lines(const std::filesystem::path& path, std::string_view lines);
 /// Cuts what stands after the first `lines` lines. Throws IoError, also where the file has fewer whole lines.
 void cut_to_lines(const std::filesystem::path& path, std::size_t lines);
 
+/// Takes the file away, if there is one. Throws IoError.
+void remove_file(const std::filesystem::path& path);
+
 /// Makes the folder and those above it. Throws IoError.
 void make_folder(const std::filesystem::path& path);
 

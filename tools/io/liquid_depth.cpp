@@ -21,14 +21,6 @@ std::int64_t block_with(std::int64_t node) {
   return node >> 3;
 }
 
-std::vector<std::size_t> summed(Ranks& ranks, const std::vector<std::size_t>& count) {
-  const std::vector<std::size_t> all =
-      ranks.gathered(std::span(count), std::vector<std::size_t>(ranks.size(), count.size()));
-  std::vector<std::size_t> sum(count.size());
-  for (std::size_t k = 0; k < all.size(); ++k) sum[k % sum.size()] += all[k];
-  return sum;
-}
-
 template <std::size_t n>
 void add_to(std::array<float, n>& sums, const std::array<float, n>& more) {
   for (std::size_t k = 0; k < n; ++k) sums[k] += more[k];
@@ -179,7 +171,7 @@ void LiquidDepth::find_inside(Ranks* ranks) {
         ++count[static_cast<std::size_t>(std::log(std::min(static_cast<double>(sum), kMost) / kLeast) /
                                          kBin)];
   }
-  if (ranks != nullptr) count = summed(*ranks, count);
+  if (ranks != nullptr) count = ranks->sum_each(count);
   const std::size_t all = std::accumulate(count.begin(), count.end(), std::size_t{0});
   if (all == 0) {  // there is no inside: all is near a surface
     inside_ = std::numeric_limits<double>::infinity();

@@ -58,7 +58,7 @@ enum class Order : std::int64_t {
   begin,    // from there
   restore,  // from the state that follows
   go_on,    // send the next news
-  save,     // and the state with it
+  save,     // and the state with it; at t = 0 the state alone
   end
 };
 
@@ -117,6 +117,7 @@ News failure_of(const Error& error) {
 
 [[noreturn]] void throw_failure(const News& news) {
   if (news.exit_code == InvalidInput("").exit_code()) throw InvalidInput(news.failure);
+  if (news.exit_code == IoError("").exit_code()) throw IoError(news.failure);
   throw SolverFailure(news.failure);
 }
 
@@ -138,7 +139,7 @@ class LiquidServer {
     } catch (const SolverFailure& error) {
       return tell(failure_of(error));
     }
-    tell(news_of(*liquid, true, true));
+    tell(news_of(*liquid, true, false));
     if (begin(*liquid)) run(*liquid);
   }
 
@@ -146,22 +147,30 @@ class LiquidServer {
   /// Returns whether to go on.
   bool begin(Liquid& liquid) {
     Order order = next_order(ranks_);
-    if (order == Order::write) {
-      std::string folder;
-      receive_values(ranks_, kSurfaces, folder);
-      liquid.write_particles(folder, 0);
-      send_values(ranks_, kSurfaces, true);
-      order = next_order(ranks_);
+    for (; order == Order::write || order == Order::save; order = next_order(ranks_)) {
+      if (order == Order::write) write_first(liquid);
+      if (order == Order::save) send(ranks_, kSurfaces, state_of(liquid));
     }
     if (order == Order::end) return false;
     receive_values(ranks_, kSurfaces, folder_);
     if (order == Order::begin) return true;
     std::string state;
     receive_values(ranks_, kSurfaces, liquid.pace(), state);
-    std::istringstream text(state);
-    StateReader archive(text);
-    liquid.read_state(archive);
+    read_bytes(std::move(state), [&](StateReader& archive) { liquid.read_state(archive); });
     return true;
+  }
+
+  /// The particles at t = 0, and says what came of it.
+  void write_first(Liquid& liquid) {
+    std::string folder;
+    receive_values(ranks_, kSurfaces, folder);
+    News news;
+    try {
+      liquid.write_particles(folder, 0);
+    } catch (const IoError& error) {
+      news = failure_of(error);
+    }
+    tell(std::move(news));
   }
 
   void run(Liquid& liquid) {
@@ -197,7 +206,11 @@ class LiquidServer {
       return news;
     }
     const bool in_frame = is_reached(liquid.time(), until);
-    if (in_frame) liquid.write_particles(folder_, frame);
+    try {
+      if (in_frame) liquid.write_particles(folder_, frame);
+    } catch (const IoError& error) {
+      return failure_of(error);
+    }
     News news = news_of(liquid, in_frame, has_checkpoint(scene_, frame));
     news.step = std::move(all);
     return news;
@@ -222,10 +235,7 @@ class LiquidServer {
   }
 
   static std::string state_of(Liquid& liquid) {
-    std::ostringstream text;
-    StateWriter archive(text, little_endian());
-    liquid.write_state(archive);
-    return std::move(text).str();
+    return bytes_written([&](StateWriter& archive) { liquid.write_state(archive); });
   }
 
   void tell(News news) {
@@ -258,7 +268,6 @@ DistantLiquid::DistantLiquid(const PreparedScene& prepared, Ranks& ranks, std::f
   ranks_.finish();
   if (!news.failure.empty()) throw_failure(news);
   record_ = std::move(*news.record);
-  saved_ = std::move(news.state);
 }
 
 DistantLiquid::~DistantLiquid() {
@@ -299,14 +308,21 @@ void DistantLiquid::write_particles(const std::filesystem::path& folder, int /*f
   if (tells_all() || begun_) return;
   ranks_.start();
   send_values(ranks_, kLiquid, Order::write);
-  send_values(ranks_, kLiquid, folder.string());
-  bool done = false;
-  receive_values(ranks_, kLiquid, done);
+  send_values(ranks_, kLiquid, std::filesystem::absolute(folder).string());
+  News news;
+  receive_values(ranks_, kLiquid, news);
   ranks_.finish();
+  if (!news.failure.empty()) throw_failure(news);
 }
 
 void DistantLiquid::write_state(StateWriter& archive) {
   constexpr std::size_t kOrderOfBytes = 1;  // that an archive begins with
+  if (saved_.empty()) {                     // at the start
+    ranks_.start();
+    send_values(ranks_, kLiquid, Order::save);
+    saved_ = receive(ranks_, kLiquid);
+    ranks_.finish();
+  }
   archive(cereal::binary_data(saved_.data() + kOrderOfBytes, saved_.size() - kOrderOfBytes));
 }
 

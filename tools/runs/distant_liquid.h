@@ -33,7 +33,8 @@ class DistantLiquid final : public Liquid {
   /// After an error in a step of the surfaces for the particles alone, without what else a record has.
   bool can_be_asked() const override { return record_.particles.particles.size() > 0; }
   LiquidStep step(double until, bool last) override;
-  bool can_be_saved() const override { return !saved_.empty(); }
+  bool can_be_saved() const override { return !begun_ || !saved_.empty(); }
+  std::size_t count() const override { return record_.count; }
   void write_particles(const std::filesystem::path& folder, int frame) override;
   void write_state(StateWriter& archive) override;
   void read_state(StateReader& archive) override;

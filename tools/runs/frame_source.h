@@ -22,7 +22,6 @@ namespace kappaflow {
 struct FrameReport {
   ParticleFrame particles;  ///< empty where there are none
   int pieces = 0;  ///< in so many others have written the particles, of which only some are here; 0: all are
-
   FrameMetrics metrics;  ///< without the isosurface
   /// Walls, then bodies, where they are in this frame; empty where none ever moves.
   std::vector<TriangleSurface> walls;

@@ -66,6 +66,7 @@ class Liquid {
   virtual int ranks() const = 0;    ///< that share it
   virtual double time() const = 0;  ///< [s]
   virtual std::size_t steps() const = 0;
+  virtual std::size_t count() const = 0;  ///< of all particles; at t = 0 and in frames
   /// Whether particles() tells all of them, else those near the surface: near_surface_of().
   virtual bool tells_all() const { return true; }
   virtual Particles particles() const = 0;
@@ -102,6 +103,7 @@ class OwnLiquid : public Liquid {
   int ranks() const override { return ranks_; }
   double time() const override { return fluid_.time(); }
   std::size_t steps() const override { return fluid_.steps(); }
+  std::size_t count() const override { return fluid_.size(); }
   Particles particles() const override { return fluid_.particles(); }
   std::vector<int> sources() const override { return fluid_.sources(); }
   std::vector<BodyState> bodies() const override { return fluid_.bodies(); }

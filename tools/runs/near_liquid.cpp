@@ -4,6 +4,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/errors.h"
 #include "solver/broadcast_state.h"
 #include "surface/field/particle_weights.h"
 #include "tools/io/files.h"
@@ -37,28 +38,7 @@ ParticleFrame frame_of(const InputFrame& near, double time) {
   return frame;
 }
 
-}  // namespace
-
-void LiquidPart::announce(const RankOrder& order) {
-  if (ranks_ != nullptr && ranks_->rank() == 0) ranks_->announce(order);
-}
-
-LiquidRecord LiquidPart::near_surface(bool known) {
-  announce({RankTask::find_near, known ? 1.0 : 0.0});
-  const InputFrame near = near_surface_of(own_particles(known), field_sigma(scene_), ranks_);
-  LiquidRecord record;
-  record.particles = frame_of(near, fluid_.time());
-  record.count = near.all;
-  if (known) measure(record);
-  if (ranks_ != nullptr) ranks_->finish();
-  record.bodies = fluid_.bodies();
-  if (known && (ranks_ == nullptr || ranks_->rank() == 0)) record.taken = fluid_.taken();
-  return record;
-}
-
-InputFrame LiquidPart::own_particles(bool known) const {
-  ParticleFrame own =
-      known ? particle_frame(fluid_, Whose::own) : ParticleFrame{fluid_.particles(Whose::own), {}, {}, {}};
+InputFrame input_frame(ParticleFrame own) {
   InputFrame frame;
   frame.position = std::move(own.particles.position);
   frame.id = std::move(own.particles.id);
@@ -70,26 +50,48 @@ InputFrame LiquidPart::own_particles(bool known) const {
   return frame;
 }
 
+}  // namespace
+
+void LiquidPart::announce(const RankOrder& order) {
+  if (ranks_ != nullptr && ranks_->rank() == 0) ranks_->announce(order);
+}
+
+LiquidRecord LiquidPart::near_surface(bool known) {
+  announce({RankTask::find_near, known ? 1.0 : 0.0});
+  ParticleFrame own =
+      known ? particle_frame(fluid_, Whose::own) : ParticleFrame{fluid_.particles(Whose::own), {}, {}, {}};
+  LiquidRecord record;
+  if (known) measure(own, record);
+  const InputFrame near = near_surface_of(input_frame(std::move(own)), field_sigma(scene_), ranks_);
+  record.particles = frame_of(near, fluid_.time());
+  record.count = near.all;
+  record.bodies = fluid_.bodies();
+  record.taken = fluid_.taken();
+  if (ranks_ != nullptr) ranks_->finish();
+  return record;
+}
+
 /// What is said of all particles: of the ranks' shares.
-void LiquidPart::measure(LiquidRecord& record) const {
-  record.compression = compression(fluid_.densities(Whose::own), fluid_.fluids(Whose::own), scene_.fluid);
-  record.temperature = temperature_range(particle_frame(fluid_, Whose::own).temperature);
+void LiquidPart::measure(const ParticleFrame& own, LiquidRecord& record) const {
+  record.compression = compression(own.density, fluid_.fluids(Whose::own), scene_.fluid);
+  record.temperature = temperature_range(own.temperature);
   if (ranks_ == nullptr) return;
-  const double own = static_cast<double>(fluid_.particles(Whose::own).size());
   struct Sums {
     double particles, compression, compression_max, temperature, temperature_min, temperature_max;
   };
+  const double n = static_cast<double>(own.particles.size());
   const TemperatureRange range = record.temperature.value_or(TemperatureRange{kInfinity, 0, 0});
-  const Sums all = ranks_->combined(Sums{own, own * record.compression.mean, record.compression.max,
-                                         own * range.mean, range.min, range.max},
-                                    [](const Sums& a, const Sums& b) {
-                                      return Sums{a.particles + b.particles,
-                                                  a.compression + b.compression,
-                                                  std::max(a.compression_max, b.compression_max),
-                                                  a.temperature + b.temperature,
-                                                  std::min(a.temperature_min, b.temperature_min),
-                                                  std::max(a.temperature_max, b.temperature_max)};
-                                    });
+  const Sums all = ranks_->combined(
+      Sums{n, n * record.compression.mean, record.compression.max, n * range.mean, range.min, range.max},
+      [](const Sums& a, const Sums& b) {
+        return Sums{a.particles + b.particles,
+                    a.compression + b.compression,
+                    std::max(a.compression_max, b.compression_max),
+                    a.temperature + b.temperature,
+                    std::min(a.temperature_min, b.temperature_min),
+                    std::max(a.temperature_max, b.temperature_max)};
+      });
+  if (all.particles == 0) return;
   record.compression = {all.compression / all.particles, all.compression_max};
   if (scene_.fluid.heat)
     record.temperature = {all.temperature_min, all.temperature / all.particles, all.temperature_max};
@@ -97,19 +99,30 @@ void LiquidPart::measure(LiquidRecord& record) const {
 
 void LiquidPart::write_particles(const std::filesystem::path& folder, int frame) {
   announce({RankTask::write_particles, static_cast<double>(frame)});
-  std::string run = folder.string();
+  std::string run = folder.string(), failure;
   if (ranks_ != nullptr) broadcast_state(*ranks_, run);
-  write_own(run, frame);
-  if (ranks_ == nullptr) return;
-  ranks_->sum(1);  // all are there
-  ranks_->finish();
+  try {
+    write_own(run, frame);
+  } catch (const IoError& error) {
+    failure = error.what();
+  }
+  if (ranks_ != nullptr) {  // what came of it on any of them, once all are through
+    const std::vector<char> all = ranks_->gathered(std::vector<char>(failure.begin(), failure.end()));
+    failure.assign(all.begin(), all.end());
+    ranks_->finish();
+    if (ranks_->rank() > 0) return;
+  }
+  if (!failure.empty()) throw IoError(failure);
 }
 
+/// A rank without particles writes nothing, but the first one where there are none at all.
 void LiquidPart::write_own(const std::filesystem::path& folder, int frame) const {
+  const int rank = ranks_ != nullptr ? ranks_->rank() : 0;
+  const std::filesystem::path file = folder / particle_piece(frame, rank);
   const ParticleFrame own = particle_frame(fluid_, Whose::own);
+  if (own.particles.size() == 0 && !(rank == 0 && fluid_.size() == 0)) return remove_file(file);
   const double sigma = field_sigma(scene_);
   const std::vector<double> weight = field_weights(own.particles.position, sigma, WeightRule::uniform);
-  const std::filesystem::path file = folder / particle_piece(frame, ranks_ != nullptr ? ranks_->rank() : 0);
   make_folder(file.parent_path());
   write_vtp(file, *particle_data(own, weight, sigma));
   flush_to_disk(file);

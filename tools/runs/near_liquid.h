@@ -1,10 +1,9 @@
-// Liquid that is too much for one machine: its surfaces are told of the particles near them, and each rank
-// writes its own to files.
+// Liquid of which the rank with the surfaces is told the particles near them, while each of the others writes
+// its own to files: where it is too much for one machine.
 #pragma once
 
 #include <filesystem>
 
-#include "tools/io/input_frame.h"
 #include "tools/runs/liquid.h"
 
 namespace kappaflow {
@@ -19,14 +18,14 @@ class LiquidPart {
   /// On the first rank, for which the others must be at follow(): particles near the surface, see
   /// near_surface_of(); known: and what else is known of them, and of all of the liquid.
   LiquidRecord near_surface(bool known);
-  /// Likewise: all ranks write the particles_pieces() of a frame into the run's folder, and to the disk.
+  /// Likewise: all ranks write their particle_piece() of a frame into the run's folder, and to the
+  /// disk. Throws IoError there where one of them cannot.
   void write_particles(const std::filesystem::path& folder, int frame);
   /// On the others: does what the first one has ordered.
   void follow(const RankOrder& order);
 
  private:
-  InputFrame own_particles(bool known) const;
-  void measure(LiquidRecord& record) const;
+  void measure(const ParticleFrame& own, LiquidRecord& record) const;
   void write_own(const std::filesystem::path& folder, int frame) const;
   void announce(const RankOrder& order);
 

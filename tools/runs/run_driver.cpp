@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/errors.h"
+#include "core/state_bytes.h"
 #include "tools/runs/progress.h"
 
 namespace kappaflow {
@@ -68,7 +69,8 @@ RunSummary RunDriver::advance(const InterruptGuard& guard) {
 void RunDriver::advance_frames(const InterruptGuard& guard) {
   const int last = source_.last_frame();
   Progress progress(source_.time(), source_.time_of(last), last, !settings_.quiet);
-  while (frame_ < last && !(guard.interrupted() && source_.can_be_saved())) {
+  bool stops = guard.interrupted() && source_.can_be_saved();
+  while (frame_ < last && !stops) {
     const int next = frame_ + 1;
     source_.prepare(next);
     const bool arrived = go_to(next, [&](const std::string& detail) {
@@ -76,9 +78,8 @@ void RunDriver::advance_frames(const InterruptGuard& guard) {
       return !guard.interrupted();
     });
     if (!arrived && !source_.saves_between_frames()) return;
-    if ((guard.interrupted() && source_.can_be_saved()) || frame_ == last ||
-        frame_ % settings_.output.checkpoint_interval == 0)
-      write_checkpoint();
+    stops = guard.interrupted() && source_.can_be_saved();
+    if (stops || frame_ == last || frame_ % settings_.output.checkpoint_interval == 0) write_checkpoint();
   }
 }
 
@@ -108,12 +109,11 @@ void RunDriver::write_frame(int frame) {
 }
 
 void RunDriver::write_checkpoint() {
-  std::ostringstream state;
-  StateWriter archive(state, little_endian());
-  archive(settings_.command);
-  settings_.save_beginning(archive);
-  archive(frame_, *this);
-  folder_.write_checkpoint(std::move(state).str());
+  folder_.write_checkpoint(bytes_written([this](StateWriter& archive) {
+    archive(settings_.command);
+    settings_.save_beginning(archive);
+    archive(frame_, *this);
+  }));
 }
 
 int run_outcome(const RunSummary& summary, const std::string& command, const std::filesystem::path& folder,

@@ -244,16 +244,25 @@ void RunFolder::write_boundary(int frame, vtkSmartPointer<vtkPolyData> data) {
 
 void RunFolder::write_particles(int frame, vtkSmartPointer<vtkPolyData> data) {
   if (!std::exchange(has_particles_, true)) make_folder(place_ / "particles");
+  if (!in_pieces_.empty()) list_pieces(frame, {particle_file(frame)}, *data);
   write_data(particle_file(frame), std::move(data));
 }
 
-void RunFolder::list_particles(int frame, int pieces, vtkPolyData& like) {
+void RunFolder::list_particles(int frame, int ranks, vtkPolyData& like) {
   has_particles_ = true;
+  std::vector<std::string> pieces;
+  for (int rank = 0; rank < ranks; ++rank)
+    if (fs::exists(place_ / particle_piece(frame, rank))) pieces.push_back(particle_piece(frame, rank));
+  list_pieces(frame, pieces, like);
+  for (int before = 0; before < frame; ++before)
+    if (!in_pieces_.contains(before)) list_pieces(before, {particle_file(before)}, like);
+}
+
+/// Who finds the list of one frame in the folder expects those of all.
+void RunFolder::list_pieces(int frame, std::vector<std::string> pieces, vtkPolyData& like) {
+  for (std::string& piece : pieces) piece = fs::path(piece).filename().string();
+  write_text(particle_list(frame), pvtp_text(like, pieces));
   in_pieces_.insert(frame);
-  std::vector<std::string> names;
-  for (int rank = 0; rank < pieces; ++rank)
-    names.push_back(fs::path(particle_piece(frame, rank)).filename().string());
-  write_text(particle_list(frame), pvtp_text(like, names));
 }
 
 void RunFolder::write_surface(int frame, const std::string& method, vtkSmartPointer<vtkPolyData> data) {

@@ -31,7 +31,6 @@ struct FrameRows {
 ///   boundary.vtp, or where walls move boundary.pvd  boundary/boundary_0000.vtp ...
 ///   particles.pvd  particles/particles_0000.vtp ...
 ///     or where ranks write them particles/particles_0000.pvtp ...  particles/particles_0000_0.vtp ...
-
 ///   surface-<method>.pvd  surface-<method>/surface_0000.vtp ...
 /// and where they are asked for, see frame_export.h:
 ///   surface-<method>/surface_0000.obj ... (.ply, .glb)
@@ -72,8 +71,8 @@ class RunFolder {
   /// Of one frame of moving walls; for every frame or none.
   void write_boundary(int frame, vtkSmartPointer<vtkPolyData> data);
   void write_particles(int frame, vtkSmartPointer<vtkPolyData> data);
-  /// The particle_list() of pieces that are there already. like: with the same arrays.
-  void list_particles(int frame, int pieces, vtkPolyData& like);
+  /// The particle_list() of the pieces that so many ranks have written. like: with the same arrays.
+  void list_particles(int frame, int ranks, vtkPolyData& like);
   void write_surface(int frame, const std::string& method, vtkSmartPointer<vtkPolyData> data);
   /// Does what `work` does in its turn among the files; it may call write_export() and nothing else of this.
   void beside(std::function<void()> work);
@@ -102,6 +101,7 @@ class RunFolder {
   void start_work();
   void write_data(const std::string& name, vtkSmartPointer<vtkPolyData> data);
   void write_text(const std::string& name, std::string text);
+  void list_pieces(int frame, std::vector<std::string> pieces, vtkPolyData& like);
   void write_now(const std::filesystem::path& file, const std::string& text);
   void flush();
   void write_collections();
@@ -110,7 +110,6 @@ class RunFolder {
   std::filesystem::path folder_;
   FolderLock lock_;
   std::filesystem::path place_;
-
   std::vector<std::string> methods_;
   std::vector<double> times_;  // of the finished frames [s]
   std::set<int> in_pieces_;    // frames whose particles are

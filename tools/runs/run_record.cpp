@@ -128,7 +128,7 @@ std::string run_record(const RunOptions& options, const Scene& scene, const Scen
   add_ranks(ranks_of(options, frames), record);
   record["options"] = options_record(options);
   record["scene"] = scene_record(scene);
-  record["particles"] = Json::UInt64{frames.surfaces().particles().size()};
+  record["particles"] = Json::UInt64{frames.particles()};
   record["duration"] = scene.duration;
   record["frames_per_second"] = scene.output.frames_per_second;
   record["view"]["from"] = list(scene.output.view.from);

@@ -69,7 +69,8 @@ std::string SceneFrames::kept_particles(const std::filesystem::path& file) const
   } catch (const IoError& error) {
     return fmt::format("its particles are lost: {}", error.what());
   }
-  return fmt::format("its particles are in {}", file.string());
+  return fmt::format("its particles{} are in {}", simulation_.liquid().tells_all() ? "" : " near the surface",
+                     file.string());
 }
 
 }  // namespace kappaflow

@@ -16,7 +16,8 @@ class SceneFrames : public FrameSource {
   /// As Simulation.
   SceneFrames(const PreparedScene& prepared, std::unique_ptr<Liquid> liquid);
 
-  int liquid_ranks() const { return simulation_.liquid().ranks(); }  ///< that share the liquid
+  std::size_t particles() const { return simulation_.liquid().count(); }  ///< of all the liquid
+  int liquid_ranks() const { return simulation_.liquid().ranks(); }       ///< that share the liquid
   int last_frame() const override { return last_frame_of(scene_); }
   double time_of(int frame) const override { return frame_time(scene_, frame); }
   bool advance(int frame, const Watch& watch) override;

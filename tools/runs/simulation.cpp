@@ -9,6 +9,7 @@
 #include "core/whole_within.h"
 #include "scenes/shapes.h"
 #include "solver/wall_bodies.h"
+#include "tools/io/particle_sequence.h"
 
 namespace kappaflow {
 namespace {
@@ -16,21 +17,21 @@ namespace {
 constexpr double kRepairPath = 0.8;  // of a particle from one repair of the mesh to the next [spacing]
 
 /// A cube of liquid of which more than half is further than sigma from the faces. The liquid with which an
-/// emitter begins is too thin to say what the field will be inside of it, and most particles near a surface
-/// are not inside.
+/// emitter begins is too thin to say what the field will be inside of it, and those of large liquid that are
+/// near its surface are hardly inside: it is the same whether these alone are told or all.
 std::vector<Vec3> mostly_interior_lattice(const Scene& scene) {
   const double edge = std::ceil(12 * scene.surface.sigma) * scene.fluid.spacing;
   return lattice_points(BoxShape{Vec3::Zero(), Vec3::Constant(edge)}, scene.fluid.spacing);
 }
 
 /// When a step of the surfaces is due, the simulation decides.
-SurfaceOptions surface_options(const Scene& scene, bool all_particles) {
+SurfaceOptions surface_options(const Scene& scene, const Liquid& liquid) {
   SurfaceOptions options = scene.surface;
   options.spacing = scene.fluid.spacing;
   options.velocities = surface_methods_named(scene.surface.methods);
   options.motion_per_step = kInfinity;
   options.name = scene.file.string();
-  if (!scene.fluid.emitters.empty() || !all_particles)
+  if (!scene.fluid.emitters.empty() || !liquid.tells_all() || liquid.count() > ParticleChoice::kMany)
     options.threshold = field_options(options, mostly_interior_lattice(scene)).threshold;
   options.tracker.repair_interval =
       whole_within(std::round(kRepairPath / (scene.surface.motion_per_step * scene.surface.sigma)), 1,
@@ -46,7 +47,7 @@ Simulation::Simulation(const PreparedScene& prepared, std::unique_ptr<Liquid> li
     : walls_(prepared.walls),
       bodies_(all_solids({}, prepared.bodies)),
       liquid_(std::move(liquid)),
-      surfaces_(liquid_->particles(), surface_options(prepared.scene, liquid_->tells_all())),
+      surfaces_(liquid_->particles(), surface_options(prepared.scene, *liquid_)),
       tracers_(prepared.scene.output.metrics_interval > 0 ? std::span<const Vec3>(surfaces_.mesh().position)
                                                           : std::span<const Vec3>()),
       flows_in_(!prepared.scene.fluid.emitters.empty()) {
