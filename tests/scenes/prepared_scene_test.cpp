@@ -7,6 +7,8 @@
 #include <fstream>
 #include <numbers>
 
+#include "core/errors.h"
+#include "core/machine_memory.h"
 #include "core/text_hash.h"
 #include "scenes/estimate.h"
 #include "scenes/shapes.h"
@@ -88,6 +90,30 @@ TEST(PreparedScene, ParticlesMayComeLater) {
   PreparedScene unchecked = prepare_without_particles(full);
   EXPECT_THROW(prepare(full), InvalidInput);
   EXPECT_THROW(add_particles(unchecked), InvalidInput);
+}
+
+// 3.8e9 particles, 230 GB.
+TEST(PreparedScene, OfMoreParticlesThanTheMachineHoldsIsRefusedAtOnce) {
+  if (machine_memory() > std::size_t{200} << 30) GTEST_SKIP() << "this machine may hold them";
+  const Scene scene = parse_scene(R"(duration = 0.1
+[fluid]
+spacing = 0.00064
+kinematic_viscosity = 1.0
+[[fluid.block]]
+shape = "box"
+lower = [0, 0, 0]
+upper = [1, 1, 1]
+)",
+                                  "large.toml");
+  try {
+    prepare(scene);
+    FAIL();
+  } catch (const InvalidInput& error) {
+    EXPECT_NE(std::string(error.what()).find("large.toml:5:1: the block would have 3.81e+09 particles"),
+              std::string::npos)
+        << error.what();
+  }
+  EXPECT_TRUE(prepare_without_particles(scene).start.position.empty());
 }
 
 TEST(PreparedScene, WallsAndTheirSolidsAreThoseOfTheScene) {
