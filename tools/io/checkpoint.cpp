@@ -36,7 +36,7 @@ std::uint32_t checksum_of(std::string_view bytes) {
 void write_checkpoint(const std::filesystem::path& file, std::string_view state) {
   std::ostringstream header;
   StateWriter(header, little_endian())(CheckpointHeader{kCheckpointFormat, checksum_of(state), state.size()});
-  write_file_durably(file, fmt::format("{}{}{}", kMagic, header.view(), state));
+  write_file_durably(file, {kMagic, header.view(), state});
 }
 
 std::string read_checkpoint(const std::filesystem::path& file) {

@@ -25,12 +25,14 @@ struct CloseFile {
 };
 
 // C streams, because their calls leave the reason in errno. Returns 0 or that reason.
-int write_all(const fs::path& path, const char* mode, std::string_view content) {
+int write_all(const fs::path& path, const char* mode, std::initializer_list<std::string_view> parts) {
   errno = 0;
   std::unique_ptr<std::FILE, CloseFile> file(std::fopen(path.c_str(), mode));
   if (!file) return errno;
-  const bool written = std::fwrite(content.data(), 1, content.size(), file.get()) == content.size() &&
-                       std::fflush(file.get()) == 0;
+  bool written = true;
+  for (const std::string_view part : parts)
+    written = written && std::fwrite(part.data(), 1, part.size(), file.get()) == part.size();
+  written = written && std::fflush(file.get()) == 0;
   if (!written) return errno != 0 ? errno : EIO;
   return std::fclose(file.release()) == 0 ? 0 : errno;
 }
@@ -53,12 +55,15 @@ int flush(const fs::path& path) {
 }
 
 /// flushed: before the file gets its name.
-void replace_file(const fs::path& path, std::string_view content, bool flushed) {
+void replace_file(const fs::path& path, std::initializer_list<std::string_view> parts, bool flushed) {
   const UnfinishedFile temporary(path.string() + ".tmp");
-  int reason = write_all(temporary.path(), "wb", content);
+  int reason = write_all(temporary.path(), "wb", parts);
   if (reason == 0 && flushed) reason = flush(temporary.path());
   if (reason == 0 && std::rename(temporary.path().c_str(), path.c_str()) != 0) reason = errno;
-  if (reason != 0) fail_to_write(path, "written", content.size(), reason);
+  if (reason == 0) return;
+  std::size_t bytes = 0;
+  for (const std::string_view part : parts) bytes += part.size();
+  fail_to_write(path, "written", bytes, reason);
 }
 
 std::mutex unfinished_guard;
@@ -86,11 +91,11 @@ void remove_unfinished_files() {
 }
 
 void write_file(const fs::path& path, std::string_view content) {
-  replace_file(path, content, false);
+  replace_file(path, {content}, false);
 }
 
-void write_file_durably(const fs::path& path, std::string_view content) {
-  replace_file(path, content, true);
+void write_file_durably(const fs::path& path, std::initializer_list<std::string_view> parts) {
+  replace_file(path, parts, true);
   flush_to_disk(path.parent_path());
 }
 
@@ -102,7 +107,7 @@ void append_lines(const fs::path& path, std::string_view lines) {
   std::error_code error;
   const std::uint64_t size = fs::file_size(path, error);
   if (error) fail(path, "cannot be read", error.value());
-  const int reason = write_all(path, "ab", lines);
+  const int reason = write_all(path, "ab", {lines});
   if (reason == 0) return;
   std::error_code ignored;
   fs::resize_file(path, size, ignored);

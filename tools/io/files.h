@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <initializer_list>
 #include <string>
 #include <string_view>
 
@@ -12,8 +13,9 @@ namespace kappaflow {
 /// Throws IoError (the disk is full, no permission, ...) and leaves neither file nor temporary behind.
 void write_file(const std::filesystem::path& path, std::string_view content);
 
-/// The same, and it returns only when the file is on the disk, where a power cut leaves it.
-void write_file_durably(const std::filesystem::path& path, std::string_view content);
+/// The same of parts, one after the other, and it returns only when the file is on the disk, where a power
+/// cut leaves it.
+void write_file_durably(const std::filesystem::path& path, std::initializer_list<std::string_view> parts);
 
 /// Returns when what was written into the file, or the names in the folder, are on the disk. Throws IoError.
 void flush_to_disk(const std::filesystem::path& path);

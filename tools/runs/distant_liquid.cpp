@@ -70,11 +70,11 @@ struct News {
   std::string failure;  // empty: none
   int exit_code = 0;    // of the failure
   std::optional<LiquidRecord> record;
-  std::string state;  // empty: not told
+  bool is_saved = false;  // whether the state follows, by itself: it is large
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(time, steps, step, failure, exit_code, record, state);
+    archive(time, steps, step, failure, exit_code, record, is_saved);
   }
 };
 
@@ -154,9 +154,8 @@ class LiquidServer {
     if (order == Order::end) return false;
     receive_values(ranks_, kSurfaces, folder_);
     if (order == Order::begin) return true;
-    std::string state;
-    receive_values(ranks_, kSurfaces, liquid.pace(), state);
-    read_bytes(std::move(state), [&](StateReader& archive) { liquid.read_state(archive); });
+    receive_values(ranks_, kSurfaces, liquid.pace());
+    read_bytes(receive(ranks_, kSurfaces), [&](StateReader& archive) { liquid.read_state(archive); });
     return true;
   }
 
@@ -184,9 +183,11 @@ class LiquidServer {
       News news = next(liquid, frame + 1);
       const Order order = next_order(ranks_);
       if (order == Order::end) return;
-      if (order == Order::save && news.failure.empty() && news.state.empty()) news.state = state_of(liquid);
       const bool failed = !news.failure.empty();
+      const bool is_saved = !failed && (news.is_saved || order == Order::save);
+      news.is_saved = is_saved;
       tell(std::move(news));
+      if (is_saved) send(ranks_, kSurfaces, state_of(liquid));
       if (failed) break;
     }
     next_order(ranks_);  // nothing comes but the end
@@ -230,7 +231,7 @@ class LiquidServer {
     news.time = liquid.time();
     news.steps = liquid.steps();
     if (in_frame) news.record = liquid.record();
-    if (in_frame && is_saved) news.state = state_of(liquid);
+    news.is_saved = in_frame && is_saved;
     return news;
   }
 
@@ -283,7 +284,8 @@ void DistantLiquid::begin() {
   send_values(ranks_, kLiquid, restored_ ? Order::restore : Order::begin);
   send_values(ranks_, kLiquid, folder_.string());
   if (!restored_) return;
-  send_values(ranks_, kLiquid, pace(), saved_);
+  send_values(ranks_, kLiquid, pace());
+  send(ranks_, kLiquid, std::move(saved_));
   pace().follow();  // from here on the others keep it
 }
 
@@ -293,13 +295,13 @@ LiquidStep DistantLiquid::step(double /*until*/, bool last) {
   send_values(ranks_, kLiquid, last ? Order::save : Order::go_on);
   News news;
   receive_values(ranks_, kLiquid, news);
+  saved_ = news.is_saved ? receive(ranks_, kLiquid) : "";
   ranks_.finish();
   if (!news.record) news.record.emplace().particles.particles = news.step.now;
   record_ = std::move(*news.record);
   if (!news.failure.empty()) throw_failure(news);
   time_ = news.time;
   steps_ = news.steps;
-  saved_ = std::move(news.state);
   return std::move(news.step);
 }
 

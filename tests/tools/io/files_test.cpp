@@ -47,10 +47,10 @@ TEST_F(Files, FailedAppendLeavesWholeLines) {
 }
 
 TEST_F(Files, DurableWriteIsWholeOrNotAtAll) {
-  write_file_durably(folder / "a", "old");
+  write_file_durably(folder / "a", {"ol", "d"});
   {
     const FullDisk full(4096);
-    EXPECT_THROW(write_file_durably(folder / "a", std::string(100000, 'x')), IoError);
+    EXPECT_THROW(write_file_durably(folder / "a", {std::string(100000, 'x')}), IoError);
   }
   EXPECT_EQ(read_file(folder / "a"), "old");
   EXPECT_THROW(flush_to_disk(folder / "none"), IoError);
