@@ -60,7 +60,7 @@ class TopologyError : public Error {
 /// A file cannot be read or written. Exit code 5.
 class IoError : public Error {
  public:
-    IoError(const std::string& path, const std::string& message);
+  IoError(const std::string& path, const std::string& message);
   /// As what() of another one has it.
   explicit IoError(const std::string& text) : Error(text, 5) {}
 };

@@ -23,7 +23,7 @@ constexpr double kBytesPerParticleInSolver = 450;  // what `kappaflow benchmark`
 constexpr double kBytesPerParticleOfHeat = 80;     // in scenes that have it: the temperatures and their solve
 constexpr double kBytesPerParticleCollected = 80;  // from ranks that share the liquid
 constexpr double kBytesPerParticleTold = 400;      // by those that have it to one that has none
-constexpr double kBytesPerParticleSaved = 250;     // of all, on their way to a checkpoint, where few are told
+constexpr double kBytesPerParticleSaved = 200;     // of all, on their way to a checkpoint, where few are told
 constexpr double kBytesPerSampledParticle = 900;   // of a wall, while the walls are sampled
 // Particles at both ends of a step, the paths between them, and the fields of up to three stages, all in
 // double precision.

@@ -193,7 +193,7 @@ InputFrame near_surface_of(InputFrame own, double sigma, Ranks* ranks) {
   InputFrame of_all;
   of_all.all = ranks->sum(chosen.all);
   for_each_array(chosen, of_all, [&](const auto& from, auto& to) {
-        const bool known = from.size() == chosen.position.size();  // where there are none, both
+    const bool known = from.size() == chosen.position.size();  // where there are none, both
     if (ranks->sum(known ? 0 : 1) == 0) to = ranks->gathered_to_first(std::span(from), counts);
   });
   of_all.zone = ranks->gathered_to_first(std::span<const Zone>(chosen.zone), counts);
