@@ -390,7 +390,7 @@ std::size_t memory_with_ranks(const Scene& scene, const SceneEstimate& cost, con
   const double methods = static_cast<double>(scene.surface.methods.size());
   const double sample = kSampleSpacing * scene.surface.sigma;  // [spacings]
   const double heat = scene.fluid.heat ? kBytesPerParticleOfHeat : 0;
-  const double collected = place.is_near     ? kBytesPerParticleSaved
+  const double collected = place.is_near     ? place.tellers * kBytesPerParticleSaved
                            : place.is_apart  ? 0
                            : place.share < 1 ? kBytesPerParticleCollected
                                              : 0;

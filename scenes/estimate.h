@@ -25,6 +25,7 @@ struct LiquidPlace {
   double share = 1;       ///< of it on the first rank's machine
   bool is_apart = false;  ///< whether that rank itself has none of it
   bool is_near = false;   ///< and whether it is then told of the particles near the surface alone
+  int tellers = 1;        ///< of the first two ranks, through whom checkpoints go, those on that machine
 };
 
 /// threads: on which the run will be, >= 1. The models and their constants stand in estimate.cpp; seconds are

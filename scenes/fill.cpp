@@ -45,12 +45,13 @@ std::vector<Vec3> checked_lattice(const FluidBlock& block, const Solid& solid, d
                        fmt::format("the liquid would have {:.3g} particles of spacing {} m; allowed: at most "
                                    "{:.3g}, with a larger spacing or smaller blocks",
                                    static_cast<double>(particles_before) + size, spacing, kMaxParticles));
-  if (const double there = static_cast<double>(machine_memory()); kBytesPerPoint * size > there)
+  const double needed = kBytesPerPoint * (static_cast<double>(particles_before) + size);
+  if (const double there = static_cast<double>(machine_memory()); needed > there)
     throw InvalidInput(
         block.where,
-        fmt::format("the block would have {:.3g} particles of spacing {} m, which take {:.3g} GB "
-                    "of memory at the start alone; there are {:.3g} GB",
-                    size, spacing, 1e-9 * kBytesPerPoint * size, 1e-9 * there));
+        fmt::format("the block would have {:.3g} particles of spacing {} m; those of the blocks so far take "
+                    "{:.3g} GB of memory at the start alone, there are {:.3g} GB",
+                    size, spacing, 1e-9 * needed, 1e-9 * there));
   std::vector<Vec3> points = lattice_points(solid, spacing);
   if (points.empty())
     throw InvalidInput(block.where,

@@ -80,6 +80,8 @@ void FluidSolver::State::serialize(Archive& archive) {
   } else {
     all_particles(false);
     archive(time, steps, fastest, whole, emitters, outflows, bodies);
+    whole = {};  // large
+    collected = Collected::nothing;
   }
 }
 

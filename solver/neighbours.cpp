@@ -4,6 +4,7 @@
 #include <bit>
 #include <limits>
 
+#include "core/errors.h"
 #include "core/parallel.h"
 #include "solver/halo.h"
 #include "solver/lanes.h"
@@ -239,6 +240,8 @@ std::size_t NeighbourSearch::fill(FluidParticles& particles, NeighbourLists& lis
                  }
                },
                1);
+  if (needed > std::numeric_limits<std::uint32_t>::max())
+    throw InvalidInput("fluid: one process holds at most some 5e8 particles; several share them (mpirun)");
   return needed;
 }
 

@@ -149,9 +149,8 @@ void LiquidDepth::add(std::span<const SharedBlock> blocks, int rank) {
 }
 
 /// Adds what others have in the blocks around own ones, in the order of the ranks, so that all who know a
-/// block have the same sums.
+/// block have the same sums. Who has given up has no blocks: beside it is a surface.
 void LiquidDepth::share(Ranks& ranks) {
-  if (ranks.max(scattered_ ? 1 : 0) > 0) return give_up();
   const std::vector<std::vector<SharedBlock>> others = swapped(ranks, blocks_for(ranks));
   std::vector<SharedBlock> own(block_.size());
   for (std::size_t b = 0; b < own.size(); ++b) own[b] = {block_[b], sums_[b]};

@@ -18,7 +18,7 @@ namespace kappaflow {
 /// The sum of Eq. 12's kernels on a sparse lattice, half a sigma wide, and what follows from it: some 5 bytes
 /// a particle while particles are added, and one after that, where they are as dense as usual. One that is
 /// alone takes some 10 KB; where the lattice takes more than a gigabyte and the particles themselves would,
-/// there is no depth to speak of, it is given up, and all is near a surface.
+/// there is no depth to speak of, it is given up, and all is near a surface: of ranks, where it is one's own.
 class LiquidDepth {
  public:
   /// sigma: support radius [m]. free: what the lattice may take whatever is in it [bytes].

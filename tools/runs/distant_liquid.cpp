@@ -45,7 +45,7 @@ void serialize(Archive& archive, TemperatureRange& range) {
 }
 template <class Archive>
 void serialize(Archive& archive, LiquidRecord& record) {
-  archive(record.particles, record.count, record.compression, record.temperature, record.taken,
+  archive(record.particles, record.count, record.pieces, record.compression, record.temperature, record.taken,
           record.bodies);
 }
 
@@ -212,9 +212,16 @@ class LiquidServer {
     } catch (const IoError& error) {
       return failure_of(error);
     }
-    News news = news_of(liquid, in_frame, has_checkpoint(scene_, frame));
+    News news = news_of(liquid, in_frame, is_saved_here(liquid, frame));
     news.step = std::move(all);
     return news;
+  }
+
+  /// Whether one of the frames that are reached, of which `frame` is the first, has a checkpoint.
+  bool is_saved_here(const Liquid& liquid, int frame) const {
+    for (; frame <= last_frame_of(scene_) && is_reached(liquid.time(), frame_time(scene_, frame)); ++frame)
+      if (has_checkpoint(scene_, frame)) return true;
+    return false;
   }
 
   static void add(LiquidStep step, LiquidStep& all) {
@@ -231,7 +238,7 @@ class LiquidServer {
     news.time = liquid.time();
     news.steps = liquid.steps();
     if (in_frame) news.record = liquid.record();
-    news.is_saved = in_frame && is_saved;
+    news.is_saved = is_saved;
     return news;
   }
 
@@ -295,7 +302,8 @@ LiquidStep DistantLiquid::step(double /*until*/, bool last) {
   send_values(ranks_, kLiquid, last ? Order::save : Order::go_on);
   News news;
   receive_values(ranks_, kLiquid, news);
-  saved_ = news.is_saved ? receive(ranks_, kLiquid) : "";
+  std::string().swap(saved_);  // large
+  if (news.is_saved) saved_ = receive(ranks_, kLiquid);
   ranks_.finish();
   if (!news.record) news.record.emplace().particles.particles = news.step.now;
   record_ = std::move(*news.record);
@@ -319,7 +327,7 @@ void DistantLiquid::write_particles(const std::filesystem::path& folder, int /*f
 
 void DistantLiquid::write_state(StateWriter& archive) {
   constexpr std::size_t kOrderOfBytes = 1;  // that an archive begins with
-  if (saved_.empty()) {                     // at the start
+  if (!begun_ && saved_.empty()) {          // at the start
     ranks_.start();
     send_values(ranks_, kLiquid, Order::save);
     saved_ = receive(ranks_, kLiquid);

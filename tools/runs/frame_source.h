@@ -21,7 +21,8 @@ namespace kappaflow {
 /// What there is to write of a frame beside its surfaces, and what happened since the frame before.
 struct FrameReport {
   ParticleFrame particles;  ///< empty where there are none
-  int pieces = 0;  ///< in so many others have written the particles, of which only some are here; 0: all are
+  /// Where only some of the particles are here: in so many pieces some of so many ranks have written all.
+  int pieces = 0, ranks = 0;
   FrameMetrics metrics;  ///< without the isosurface
   /// Walls, then bodies, where they are in this frame; empty where none ever moves.
   std::vector<TriangleSurface> walls;

@@ -130,7 +130,7 @@ void FrameWriter::write_particles(const FrameReport& report, const ParticleField
   const std::vector<double> weight =
       field_weights(particles.position, field.sigma, field.weights, particles.scale);
   const auto data = particle_data(report.particles, weight, field.sigma);
-  if (report.pieces > 0) return folder_.list_particles(frame, report.pieces, *data);
+  if (report.pieces > 0) return folder_.list_particles(frame, report.ranks, report.pieces, *data);
   folder_.write_particles(frame, data);
   folder_.beside([to = export_, frame, data] { to->write_particles(frame, *data); });
 }

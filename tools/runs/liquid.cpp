@@ -35,10 +35,10 @@ LiquidStep OwnLiquid::step(double until, bool /*last*/) {
   LiquidStep result;
   result.seconds = seconds_of([&] { result.last = fluid_.step(until - time()); });
   const double speed = fluid_.fast_speed(kShareOfFast);
-  result.surfaces_follow = !pace().may_wait(speed, result.last.time_step) || is_reached(time(), until);
-  if (!result.surfaces_follow) return result;
-  pace().follow();
-  result.now = particles();
+  const bool in_frame = is_reached(time(), until);
+  result.surfaces_follow = !pace().may_wait(speed, result.last.time_step) || in_frame;
+  if (result.surfaces_follow) pace().follow();
+  if (result.surfaces_follow && !in_frame) result.now = particles();
   return result;
 }
 

@@ -44,13 +44,14 @@ struct LiquidStep {
   FluidStep last;                ///< of the solver; its errors are the largest of all
   double seconds = 0;            ///< wall time
   bool surfaces_follow = false;  ///< whether the surfaces are to come where it ends
-  Particles now;                 ///< there, if they are
+  Particles now;                 ///< there, if they are, but in frames: Liquid::particles()
 };
 
 /// All that there is to know of the liquid in a frame.
 struct LiquidRecord {
   ParticleFrame particles;  ///< sorted by id; those that Liquid::particles() tells
   std::size_t count = 0;    ///< of all particles, as is what follows
+  int pieces = 0;           ///< in so many files they are, where not all are told
   Compression compression;
   std::optional<TemperatureRange> temperature;  ///< where there is heat
   std::vector<std::size_t> taken;               ///< by each outflow region since t = 0

@@ -75,7 +75,9 @@ LiquidRecord LiquidPart::near_surface(bool known) {
 void LiquidPart::measure(const ParticleFrame& own, LiquidRecord& record) const {
   record.compression = compression(own.density, fluid_.fluids(Whose::own), scene_.fluid);
   record.temperature = temperature_range(own.temperature);
+  record.pieces = 1;
   if (ranks_ == nullptr) return;
+  record.pieces = std::max(1, ranks_->sum(own.particles.size() > 0 ? 1 : 0));
   struct Sums {
     double particles, compression, compression_max, temperature, temperature_min, temperature_max;
   };
@@ -107,8 +109,10 @@ void LiquidPart::write_particles(const std::filesystem::path& folder, int frame)
     failure = error.what();
   }
   if (ranks_ != nullptr) {  // what came of it on any of them, once all are through
-    const std::vector<char> all = ranks_->gathered(std::vector<char>(failure.begin(), failure.end()));
-    failure.assign(all.begin(), all.end());
+    const std::vector<std::size_t> sizes = ranks_->one_of_each(failure.size());
+    const std::vector<char> all = ranks_->gathered(std::span<const char>(failure), sizes);
+    const auto first = std::ranges::find_if(sizes, [](std::size_t size) { return size > 0; });
+    failure = first == sizes.end() ? "" : std::string(all.data(), *first);
     ranks_->finish();
     if (ranks_->rank() > 0) return;
   }

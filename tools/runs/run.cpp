@@ -68,10 +68,13 @@ LiquidPlace place_of_liquid(const Scene& scene, const SceneEstimate& cost, const
   const bool is_apart = std::max(liquid / (ranks - 1), surfaces) < liquid / ranks + surfaces;
   const int first = is_apart ? 1 : 0;  // that has liquid
   double here = 0;
-  for (const int rank : all.on_this_machine())
+  int tellers = 0;
+  for (const int rank : all.on_this_machine()) {
     if (rank >= first) here += all.share_of(rank, 1);
+    tellers += rank <= 1 ? 1 : 0;
+  }
   return {here / all.share_of(first, all.size() - first), is_apart,
-          is_apart && near_alone(scene.surface, cost, options)};
+          is_apart && near_alone(scene.surface, cost, options), tellers};
 }
 
 /// Throws InvalidInput where this machine has too little memory for it.
@@ -143,11 +146,11 @@ PreparedScene resumed_scene(const RunOptions& begun_with, const std::string& has
 RunSummary resume(const RunOptions& options) {
   const Stopwatch watch;
   RunFolder folder(options.resume);
-  SavedRun saved(folder.path(), kRunCommand);
+  std::optional<SavedRun> saved(std::in_place, folder.path(), kRunCommand);
   RunOptions begun_with;
   std::string hash;
   int frame = 0;
-  saved.read(begun_with, hash, frame);
+  saved->read(begun_with, hash, frame);
   begun_with.quiet = options.quiet;
   PreparedScene prepared = resumed_scene(begun_with, hash, folder.path(), options.scene, prepare);
   const Scene scene = prepared.scene;
@@ -162,7 +165,8 @@ RunSummary resume(const RunOptions& options) {
   SceneFrames frames = first_frame(prepared, place, options, folder.path());
   const InterruptGuard guard;
   RunDriver driver(frames, folder, settings_for(begun_with, hash, scene), watch);
-  driver.restore(frame, saved);
+  driver.restore(frame, *saved);
+  saved.reset();  // large
   folder.write_record(resumed_record(folder.path(), options.command, options.threads,
                                      ranks_of(options, frames), frames.time()));
   return driver.advance(guard);

@@ -248,18 +248,26 @@ void RunFolder::write_particles(int frame, vtkSmartPointer<vtkPolyData> data) {
   write_data(particle_file(frame), std::move(data));
 }
 
-void RunFolder::list_particles(int frame, int ranks, vtkPolyData& like) {
+void RunFolder::list_particles(int frame, int ranks, int count, vtkPolyData& like) {
   has_particles_ = true;
   std::vector<std::string> pieces;
   for (int rank = 0; rank < ranks; ++rank)
     if (fs::exists(place_ / particle_piece(frame, rank))) pieces.push_back(particle_piece(frame, rank));
+  if (std::ssize(pieces) != count)
+    throw IoError(
+        (place_ / particle_list(frame)).string(),
+        fmt::format("ranks have written {} pieces of it, of which {} can be seen from the first one: "
+                    "all need the same folder",
+                    count, pieces.size()));
   list_pieces(frame, pieces, like);
-  for (int before = 0; before < frame; ++before)
-    if (!in_pieces_.contains(before)) list_pieces(before, {particle_file(before)}, like);
+  for (int rank = ranks; fs::exists(place_ / particle_piece(frame, rank)); ++rank)  // of a run of more ranks
+    beside([file = place_ / particle_piece(frame, rank)] { remove_file(file); });
 }
 
-/// Who finds the list of one frame in the folder expects those of all.
+/// Who finds the list of one frame in the folder expects those of all: those before it come first.
 void RunFolder::list_pieces(int frame, std::vector<std::string> pieces, vtkPolyData& like) {
+  for (int before = 0; before < frame; ++before)
+    if (!in_pieces_.contains(before)) list_pieces(before, {particle_file(before)}, like);
   for (std::string& piece : pieces) piece = fs::path(piece).filename().string();
   write_text(particle_list(frame), pvtp_text(like, pieces));
   in_pieces_.insert(frame);

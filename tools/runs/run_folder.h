@@ -71,8 +71,9 @@ class RunFolder {
   /// Of one frame of moving walls; for every frame or none.
   void write_boundary(int frame, vtkSmartPointer<vtkPolyData> data);
   void write_particles(int frame, vtkSmartPointer<vtkPolyData> data);
-  /// The particle_list() of the pieces that so many ranks have written. like: with the same arrays.
-  void list_particles(int frame, int ranks, vtkPolyData& like);
+  /// The particle_list() of so many pieces that some of the ranks have written. like: with the same arrays.
+  /// Throws IoError where they are not all there.
+  void list_particles(int frame, int ranks, int count, vtkPolyData& like);
   void write_surface(int frame, const std::string& method, vtkSmartPointer<vtkPolyData> data);
   /// Does what `work` does in its turn among the files; it may call write_export() and nothing else of this.
   void beside(std::function<void()> work);

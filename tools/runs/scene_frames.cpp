@@ -45,7 +45,8 @@ FrameReport SceneFrames::take_report(int frame) {
   LiquidRecord liquid = simulation_.liquid().record();
   report.bodies = std::move(liquid.bodies);
   report.particles = std::move(liquid.particles);
-  if (!simulation_.liquid().tells_all()) report.pieces = simulation_.liquid().ranks();
+  report.pieces = liquid.pieces;
+  report.ranks = liquid_ranks();
   if (liquid.temperature) set_temperatures(report.particles, *liquid.temperature, surfaces(), metrics);
   const SimulationReport since = simulation_.take_report();
   metrics.particles = liquid.count;

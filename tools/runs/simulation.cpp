@@ -58,7 +58,8 @@ bool Simulation::advance(double time, const Watch& watch) {
   while (!is_reached(liquid_->time(), time)) {
     LiquidStep step = liquid_->step(time, is_to_stop_);
     note(step);
-    if (step.surfaces_follow) step_surfaces(std::move(step.now));
+    if (step.surfaces_follow)
+      step_surfaces(is_reached(liquid_->time(), time) ? liquid_->particles() : std::move(step.now));
     is_to_stop_ = !watch(step.last);
     if (is_to_stop_ && liquid_->can_be_saved() && !is_reached(liquid_->time(), time)) return false;
   }

@@ -243,6 +243,12 @@ TEST_F(NearLiquids, APieceThatCannotBeWrittenEndsTheRun) {
   EXPECT_EQ(read_metrics(folder / "run" / kMetricsFile).size(), kLast + 1u);
 }
 
+TEST_F(NearLiquids, APieceThatTheFirstRankDoesNotSeeEndsTheRun) {
+  const fs::path piece = folder / "run" / particle_piece(2, 0);
+  const Outcome outcome = run_on(3, options("run", kFew), 5, [&] { fs::remove(piece); });
+  EXPECT_NE(outcome.error.find("of which 1 can be seen"), std::string::npos) << outcome.error;
+}
+
 // An emitter's first liquid is in few cells: of so many ranks most have none.
 TEST_F(NearLiquids, RanksMayHaveNoParticles) {
   RunOptions o = options("jet", kFew);
