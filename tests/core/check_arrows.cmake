@@ -18,7 +18,7 @@ set(allowed_surface/tracker ${allowed_surface/measure} surface/measure surface/r
 set(surface ${allowed_surface/tracker} surface/tracker)
 set(allowed_surface/benchmark ${surface})
 set(allowed_scenes solver ${surface})
-set(allowed_tools/io core surface/field surface/mesh surface/measure scenes)
+set(allowed_tools/io core solver surface/field surface/mesh surface/measure scenes)
 set(allowed_tools/runs scenes ${allowed_scenes} tools/io)
 set(allowed_tools/pictures ${allowed_tools/runs} tools/runs)
 set(allowed_tools/experiments ${allowed_tools/pictures} tools/pictures)
