@@ -16,13 +16,6 @@
 
 namespace kappaflow {
 
-/// Particles that are exactly where others are: how many, and the first two in one place.
-struct Coincidence {
-  std::size_t count = 0;
-  std::size_t first = 0, second = 0;
-};
-Coincidence coincident_particles(std::span<const Vec3> position);
-
 /// Which particles of large frames are kept.
 struct ParticleChoice {
   static constexpr std::size_t kMany = 10'000'000;

@@ -1,7 +1,6 @@
 #include "tools/runs/near_liquid.h"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 #include "core/errors.h"
@@ -9,6 +8,7 @@
 #include "surface/field/particle_weights.h"
 #include "tools/io/files.h"
 #include "tools/io/near_surface.h"
+#include "tools/io/ordered_particles.h"
 #include "tools/io/vtp_files.h"
 #include "tools/runs/run_folder.h"
 
@@ -17,25 +17,6 @@ namespace {
 
 double field_sigma(const Scene& scene) {
   return scene.surface.sigma * scene.fluid.spacing;
-}
-
-/// Sorted by id.
-ParticleFrame frame_of(const InputFrame& near, double time) {
-  std::vector<std::size_t> order(near.id.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::sort(order, {}, [&](std::size_t i) { return near.id[i]; });
-  const auto ordered = [&](const auto& values) {
-    auto result = values;
-    for (std::size_t k = 0; k < values.size(); ++k) result[k] = values[order[k]];
-    return result;
-  };
-  ParticleFrame frame{{time, ordered(near.id), ordered(near.position), ordered(near.velocity)},
-                      ordered(near.density),
-                      ordered(near.pressure),
-                      ordered(near.source),
-                      ordered(near.temperature)};
-  for (const std::size_t i : order) frame.particles.scale.push_back(scale_of(near.zone[i]));
-  return frame;
 }
 
 InputFrame input_frame(ParticleFrame own) {
@@ -63,7 +44,7 @@ LiquidRecord LiquidPart::near_surface(bool known) {
   LiquidRecord record;
   if (known) measure(own, record);
   const InputFrame near = near_surface_of(input_frame(std::move(own)), field_sigma(scene_), ranks_);
-  record.particles = frame_of(near, fluid_.time());
+  record.particles = ordered_frame(near, order_by_id(near.id), fluid_.time());
   record.count = near.all;
   record.bodies = fluid_.bodies();
   record.taken = fluid_.taken();

@@ -7,6 +7,7 @@
 #include "surface/measure/surface_metrics.h"
 #include "surface/measure/surface_motion.h"
 #include "tools/io/particle_sequence.h"
+#include "tools/io/particle_survey.h"
 #include "tools/runs/sequence_frames.h"
 #include "tools/runs/track_input.h"
 

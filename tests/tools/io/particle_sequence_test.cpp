@@ -9,6 +9,7 @@
 #include "core/errors.h"
 #include "tests/tools/scratch.h"
 #include "tests/tools/sequence_files.h"
+#include "tools/io/particle_survey.h"
 #include "tools/io/vtp_files.h"
 
 namespace kappaflow {
