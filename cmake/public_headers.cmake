@@ -2,8 +2,9 @@
 # each of them, which tests/api.cmake checks; a public header includes public headers only, which install_headers.cmake does.
 set(KAPPAFLOW_PUBLIC_HEADERS
     core/body_motion.h core/bytes.h core/cell_grid.h core/connectivity.h core/errors.h core/named.h
-    core/nearest_on_triangle.h core/parallel.h core/particles.h core/shapes.h core/solid_distance.h core/solid_wall.h core/solids.h
+    core/nearest_on_triangle.h core/parallel.h core/particles.h core/shapes.h core/shared_loop.h core/solid_distance.h core/solid_wall.h core/solids.h
     core/time_table.h core/triangle_tree.h core/types.h core/whole_within.h
+    core/work_group.h
     surface/field/anisotropic_field.h surface/field/distance_field.h surface/field/field.h surface/field/field_kernels.h surface/field/kernel_shapes.h surface/field/symmetric_place.h
     surface/field/grid_spline.h surface/field/jet.h surface/field/particle_field.h surface/field/particle_motion.h
     surface/field/particle_weights.h surface/field/projection.h surface/field/taylor.h surface/field/taylor_terms.h

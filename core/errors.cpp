@@ -32,4 +32,11 @@ TopologyError::TopologyError(const Vec3& position, const std::string& message)
 IoError::IoError(const std::string& path, const std::string& message)
     : Error(fmt::format("{}: {}", path, message), 5) {}
 
+void throw_told(const std::string& what, int exit_code) {
+  if (exit_code == InvalidInput("").exit_code()) throw InvalidInput(what);
+  if (exit_code == SolverFailure("").exit_code()) throw SolverFailure(what);
+  if (exit_code == IoError("").exit_code()) throw IoError(what);
+  throw Error(what, exit_code);
+}
+
 }  // namespace kappaflow

@@ -65,4 +65,7 @@ class IoError : public Error {
   explicit IoError(const std::string& text) : Error(text, 5) {}
 };
 
+/// Throws an error that another process has had: as what() and exit_code() of that say.
+[[noreturn]] void throw_told(const std::string& what, int exit_code);
+
 }  // namespace kappaflow

@@ -11,6 +11,8 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "core/work_group.h"
+
 #ifdef __SANITIZE_THREAD__
 #include <sanitizer/tsan_interface.h>
 #endif
@@ -53,6 +55,7 @@ inline constexpr std::size_t kDefaultGrain = 256;
 /// of a loop in another way than those between, which it works on several at a time.
 template <class Body>
 void parallel_for(std::size_t n, const Body& body, std::size_t grain = kDefaultGrain) {
+  const SharedWork none(nullptr);
   TaskOrder order;
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, n, grain),
@@ -70,6 +73,7 @@ void parallel_for(std::size_t n, const Body& body, std::size_t grain = kDefaultG
 template <class T, class Value, class Combine>
 T parallel_reduce(std::size_t n, const T& identity, const Value& value, const Combine& combine,
                   std::size_t grain = kDefaultGrain) {
+  const SharedWork none(nullptr);
   TaskOrder order;
   T result = tbb::parallel_deterministic_reduce(
       tbb::blocked_range<std::size_t>(0, n, grain), identity,

@@ -56,6 +56,7 @@ constexpr double kSecondsPerGridPoint = 14e-6;      // a step of fresh-grid
 constexpr double kOutputSecondsPerParticle = 2e-6;  // a frame
 constexpr double kOutputSecondsPerVertex = 20e-6;   // a frame and method, measures included
 constexpr double kParallelShare = 0.9;              // of all but output (Amdahl 1967)
+constexpr double kSharedByRanks = 0.6;              // of a step of tracked surfaces: docs/scaling.md
 constexpr int kMostSpans = 10000;                   // of time that are looked at one by one
 
 /// Seconds of a velocity at a vertex.
@@ -338,7 +339,7 @@ void add_work(const Scene& scene, const FluidParticlesAtStart& start, const Flow
                tracked = static_cast<double>(std::ranges::count_if(scene.surface.methods, is_tracked)),
                first = smooth_vertices(0, scene, flow), vertex_step = tracker_seconds_per_vertex(scene);
   double liquid = static_cast<double>(result.boundary_particles) * kSecondsPerBoundaryParticle,
-         surfaces = first * kSecondsPerFirstVertex, output = 0;
+         surfaces = first * kSecondsPerFirstVertex, tracker = 0, output = 0;
   const double frames = std::ceil(scene.duration / frame_time - 1e-9);
   const double motion_per_step = scene.surface.motion_per_step * scene.surface.sigma * scene.fluid.spacing;
   const int spans = whole_within<int>(frames, 1, kMostSpans);  // of a frame each, as a rule
@@ -357,7 +358,8 @@ void add_work(const Scene& scene, const FluidParticlesAtStart& start, const Flow
     liquid += steps * particles *
               (kSolverSecondsPerParticleStep +
                viscous_iterations(lasting / steps, scene) * kSecondsPerViscousIteration);
-    surfaces += tracker_steps * (vertices * vertex_step + particles * grid_seconds_per_particle(scene)) +
+    tracker += tracker_steps * vertices * vertex_step;
+    surfaces += tracker_steps * particles * grid_seconds_per_particle(scene) +
                 tracked * lasting * topology_seconds(smooth, torn, particles, scene, flow) +
                 (methods - tracked) * frames / spans * vertices * kSecondsPerFreshVertex;
     surfaces += tracker_steps * first * stages(scene.surface.tracker.integrator) *
@@ -367,12 +369,21 @@ void add_work(const Scene& scene, const FluidParticlesAtStart& start, const Flow
   }
   const double share = 1 - kParallelShare + kParallelShare / threads;
   result.liquid_seconds = liquid * share;
-  result.seconds = (liquid + surfaces) * share + output;
+  result.tracker_seconds = tracker * share;
+  result.seconds = (liquid + surfaces + tracker) * share + output;
 }
 
 /// As a number of things, at most 2^53: of walls a million kilometres long there would be more.
 std::size_t whole_count(double number) {
   return whole_within<std::size_t>(number, 0, std::size_t{1} << 53);
+}
+
+/// Where so many of the ranks follow the surfaces.
+double seconds_with_ranks(const SceneEstimate& cost, int ranks, int surfaces) {
+  const double rest = cost.seconds - cost.liquid_seconds;
+  if (surfaces == 0) return rest + cost.liquid_seconds / ranks;
+  const double shared = kSharedByRanks * cost.tracker_seconds;
+  return std::max(cost.liquid_seconds / (ranks - surfaces), rest - shared + shared / surfaces);
 }
 
 /// Those within 4.5 sigma of a surface with so many vertices, and one of eight in the depth: see Zone.
@@ -384,23 +395,33 @@ double near_particles(const Scene& scene, double particles, double vertices) {
 
 }  // namespace
 
+int ranks_for_surfaces(const SceneEstimate& cost, int ranks) {
+  constexpr double kLeastGain = 0.03;  // [1] of one more
+  const auto seconds = [&](int surfaces) { return seconds_with_ranks(cost, ranks, surfaces); };
+  if (ranks < 2 || seconds(1) >= seconds(0)) return 0;
+  int surfaces = 1;
+  while (surfaces + 1 < ranks && seconds(surfaces + 1) < (1 - kLeastGain) * seconds(surfaces)) ++surfaces;
+  return surfaces;
+}
+
 std::size_t memory_with_ranks(const Scene& scene, const SceneEstimate& cost, const LiquidPlace& place) {
   const double particles = static_cast<double>(cost.particles) + static_cast<double>(cost.emitted),
                boundary_particles = static_cast<double>(cost.boundary_particles);
   const double methods = static_cast<double>(scene.surface.methods.size());
   const double sample = kSampleSpacing * scene.surface.sigma;  // [spacings]
   const double heat = scene.fluid.heat ? kBytesPerParticleOfHeat : 0;
-  const double collected = place.is_near     ? place.tellers * kBytesPerParticleSaved
-                           : place.is_apart  ? 0
-                           : place.share < 1 ? kBytesPerParticleCollected
-                                             : 0;
+  const double collected = place.is_near             ? place.tellers * kBytesPerParticleSaved
+                           : place.surface_ranks > 0 ? 0
+                           : place.share < 1         ? kBytesPerParticleCollected
+                                                     : 0;
   const double in_solver = place.share * (kBytesPerParticleInSolver + heat) + collected;
   const double told = place.is_near ? near_particles(scene, particles, cost.vertices) : particles;
-  const double in_field = kBytesPerParticleInField + (place.is_apart ? kBytesPerParticleTold : 0);
+  const double in_field = kBytesPerParticleInField + (place.surface_ranks > 0 ? kBytesPerParticleTold : 0);
   const double samples = methods > 0 ? kSpread * told / (sample * sample * sample) : 0;
-  const double run = particles * in_solver + told * in_field +
-                     boundary_particles * kBytesPerBoundaryParticle +
-                     methods * cost.vertices * kBytesPerVertex + samples * kBytesPerSample;
+  const double followed =
+      told * in_field + methods * cost.vertices * kBytesPerVertex + samples * kBytesPerSample;
+  const double run = particles * in_solver + std::max(1, place.surface_ranks_here) * followed +
+                     boundary_particles * kBytesPerBoundaryParticle;
   return whole_count(kBytesOfProgram + std::max(run, boundary_particles * kBytesPerSampledParticle));
 }
 

@@ -18,19 +18,26 @@ struct SceneEstimate {
   double vertices = 0;                 ///< of one surface, when it has the most
   double seconds = 0;                  ///< wall time
   double liquid_seconds = 0;           ///< of it, without surfaces and files
+  double tracker_seconds = 0;          ///< of it, of the steps of tracked surfaces
 };
 
 /// Where the liquid of several ranks is (docs/scaling.md).
 struct LiquidPlace {
-  double share = 1;       ///< of it on the first rank's machine
-  bool is_apart = false;  ///< whether that rank itself has none of it
-  bool is_near = false;   ///< and whether it is then told of the particles near the surface alone
-  int tellers = 1;        ///< of the first two ranks, through whom checkpoints go, those on that machine
+  double share = 1;  ///< of it on the first rank's machine
+  int surface_ranks =
+      0;  ///< how many ranks follow the surfaces and have none of it; 0: the first, beside its own
+  int surface_ranks_here = 0;  ///< of them, those on that machine
+  bool is_near = false;        ///< and whether they are told of the particles near the surface alone
+  int tellers = 1;  ///< of the first ones of either kind, through whom checkpoints go, those on that machine
 };
 
 /// threads: on which the run will be, >= 1. The models and their constants stand in estimate.cpp; seconds are
 /// good to a factor of about two, but for thin threads of thick liquid: docs/performance.md.
 SceneEstimate estimate(const PreparedScene& prepared, int threads);
+
+/// How many of several ranks should follow the surfaces and have none of the liquid: with which it is
+/// foreseen to be quickest, on equal machines, but no more than pay. 0: the first one does both.
+int ranks_for_surfaces(const SceneEstimate& cost, int ranks);
 
 /// SceneEstimate::memory_bytes of all that the machine of the first of several ranks has to hold.
 std::size_t memory_with_ranks(const Scene& scene, const SceneEstimate& cost, const LiquidPlace& place);

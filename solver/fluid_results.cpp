@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <bit>
 #include <limits>
-#include <numeric>
 
 #include "core/parallel.h"
 #include "core/quantile.h"
@@ -133,6 +132,11 @@ RankOrder FluidSolver::follow() {
       case RankTask::serve:
       case RankTask::find_near:
       case RankTask::write_particles:
+      case RankTask::go_to:
+      case RankTask::hear:
+      case RankTask::measure_field:
+      case RankTask::measure_surface:
+      case RankTask::restore_surfaces:
       case RankTask::end:
         return order;
     }

@@ -1,16 +1,17 @@
-// Processes that share one liquid.
+// Processes that share one liquid, or follow its surfaces.
 #pragma once
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <limits>
 #include <memory>
 #include <numeric>
 #include <span>
 #include <utility>
 #include <vector>
+
+#include "core/work_group.h"
 
 namespace kappaflow {
 
@@ -24,10 +25,15 @@ enum class RankTask : std::int64_t {
   collect_all,
   collect_shares,
   restore,
-  find_speed,      ///< below which the share `value` of the particles is
-  serve,           ///< the liquid is that of the others alone; value: whether all of its particles are told
-  find_near,       ///< particles near the surface; value: whether all that is known of them
-  write_particles  ///< each its own; value: the frame
+  find_speed,       ///< below which the share `value` of the particles is
+  serve,            ///< the surfaces are apart: RanksApart
+  find_near,        ///< particles near the surface; value: whether all that is known of them
+  write_particles,  ///< each its own; value: the frame
+  go_to,            ///< the frame `value`, with the surfaces
+  hear,             ///< what the liquid has told
+  measure_field,    ///< value: whether the frame's surfaces are judged
+  measure_surface,  ///< the one of number `value`
+  restore_surfaces  ///< from the state that follows
 };
 
 struct RankOrder {
@@ -49,31 +55,13 @@ struct RankShare {
   RankTraffic traffic;
 };
 
-/// Bytes to or from another rank.
-struct Parcel {
-  int rank = 0;
-  std::span<std::byte> bytes;
-};
-
-template <class T>
-std::span<std::byte> bytes_in(std::span<T> values) {
-  return {reinterpret_cast<std::byte*>(values.data()), values.size_bytes()};
-}
-template <class T>
-std::span<const std::byte> bytes_in(std::span<const T> values) {
-  return {reinterpret_cast<const std::byte*>(values.data()), values.size_bytes()};
-}
-
-/// The ranks, numbered from 0, that run one solver: how they exchange data. Every rank calls the functions in
-/// the same order. What they add up they gather and add in the order of the ranks, each for itself, so that
-/// all have the same bits, every time. The libraries know no more of it than this: whoever starts the
-/// processes says how bytes go from one to another (tools/commands/mpi_ranks.h by MPI).
-class Ranks {
+/// The ranks, numbered from 0, that run one solver, or follow the same surfaces: how they exchange data.
+/// Every rank calls the functions in the same order. What they add up they gather and add in the order of the
+/// ranks, each for itself, so that all have the same bits, every time. The libraries know no more of it than
+/// this: whoever starts the processes says how bytes go from one to another (tools/commands/mpi_ranks.cpp by
+/// MPI).
+class Ranks : public WorkGroup {
  public:
-  virtual ~Ranks() = default;
-
-  virtual int rank() const = 0;
-  virtual int size() const = 0;
   /// Those that are, this one among them; ascending.
   virtual std::vector<int> on_this_machine() const = 0;
   virtual RankTraffic traffic() const = 0;
@@ -84,13 +72,6 @@ class Ranks {
   /// The same, on rank 0 only; the others give no `all`.
   virtual void gather_to_first(std::span<const std::byte> own, std::span<const std::size_t> sizes,
                                std::span<std::byte> all) = 0;
-  /// Sends and receives, at most one parcel each way between two ranks, of the size that both know.
-  /// Until what is received has come: meanwhile(), which exchanges nothing itself.
-  virtual void exchange(std::span<const Parcel> sent, std::span<const Parcel> received,
-                        const std::function<void()>& meanwhile) = 0;
-  void exchange(std::span<const Parcel> sent, std::span<const Parcel> received) {
-    exchange(sent, received, [] {});
-  }
   /// received[r] = what rank r gives for this one, which gives sent[r] for it: one number each.
   virtual void swap_counts(std::span<const std::uint64_t> sent, std::span<std::uint64_t> received) = 0;
   /// Rank 0's bytes to all.
@@ -116,12 +97,21 @@ class Ranks {
     return std::accumulate(shares_.begin() + first, shares_.begin() + first + count, 0.0);
   }
 
-  /// The ranks above 0 by themselves, numbered anew from 0, with their shares; on rank 0 nullptr. All ranks
-  /// call it.
-  std::unique_ptr<Ranks> others() {
-    std::unique_ptr<Ranks> part = without_first();
-    if (part != nullptr && !shares_.empty()) part->set_shares({shares_.begin() + 1, shares_.end()});
-    return part;
+  /// By the shares.
+  std::size_t share_begin(std::size_t n, int rank) const override {
+    if (shares_.empty() || rank == size()) return WorkGroup::share_begin(n, rank);
+    return static_cast<std::size_t>(static_cast<double>(n) * share_of(0, rank) / share_of(0, size()));
+  }
+
+  /// The ranks below `first`, or the others, by themselves: those that this one is of, numbered anew from 0,
+  /// with their shares. All ranks call it.
+  std::unique_ptr<Ranks> part(int first) {
+    std::unique_ptr<Ranks> result = cut(first);
+    const auto begin = shares_.begin();
+    if (!shares_.empty())
+      result->set_shares(rank() < first ? std::vector(begin, begin + first)
+                                        : std::vector(begin + first, shares_.end()));
+    return result;
   }
 
   /// Rank 0 tells the others what is next; until finish() they are at it together.
@@ -213,8 +203,8 @@ class Ranks {
  protected:
   /// As broadcast(), but the others should sleep until it comes.
   virtual void tell(std::span<std::byte> bytes) = 0;
-  /// As others(), but for the shares.
-  virtual std::unique_ptr<Ranks> without_first() = 0;
+  /// As part(), but for the shares.
+  virtual std::unique_ptr<Ranks> cut(int first) = 0;
 
  private:
   template <class T>

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/parallel.h"
+#include "core/shared_loop.h"
 
 namespace kappaflow {
 namespace {
@@ -20,24 +20,6 @@ double residual(const ValueAndGradient& at, double length_scale) {
 Vec3 newton_move(const ValueAndGradient& at, double longest) {
   const double slope = at.g.norm();
   return at.g / slope * std::clamp(-at.f / slope, -longest, longest);
-}
-
-/// The vertices vertex_of(0) to vertex_of(n - 1).
-template <class VertexOf>
-double project_each(std::size_t n, const VertexOf& vertex_of, const Field& field,
-                    const ProjectionOptions& options, std::span<Vec3> position, std::span<char> unprojected,
-                    std::span<Vec3> gradient) {
-  return parallel_reduce(
-      n, 0.0,
-      [&](std::size_t k) {
-        const std::size_t v = vertex_of(k);
-        const Projected projected = project(field, position[v], options);
-        position[v] = projected.position;
-        gradient[v] = projected.gradient;
-        unprojected[v] = !projected.converged;
-        return projected.converged ? projected.residual : 0.0;
-      },
-      [](double a, double b) { return std::max(a, b); }, kGrain);
 }
 
 }  // namespace
@@ -69,15 +51,16 @@ Projected project(const Field& field, const Vec3& x, const ProjectionOptions& op
 
 double project_all(const Field& field, const ProjectionOptions& options, std::span<Vec3> position,
                    std::span<char> unprojected, std::span<Vec3> gradient) {
-  return project_each(
-      position.size(), [](std::size_t v) { return v; }, field, options, position, unprojected, gradient);
-}
-
-double project_some(const Field& field, const ProjectionOptions& options, std::span<const int> which,
-                    std::span<Vec3> position, std::span<char> unprojected, std::span<Vec3> gradient) {
-  return project_each(
-      which.size(), [&](std::size_t k) { return static_cast<std::size_t>(which[k]); }, field, options,
-      position, unprojected, gradient);
+  return shared_max(
+      position.size(), 0.0,
+      [&](std::size_t v) {
+        const Projected projected = project(field, position[v], options);
+        position[v] = projected.position;
+        gradient[v] = projected.gradient;
+        unprojected[v] = !projected.converged;
+        return projected.converged ? projected.residual : 0.0;
+      },
+      kGrain, position, unprojected, gradient);
 }
 
 double project_all(const Field& field, const ProjectionOptions& options, std::span<Vec3> position,

@@ -31,9 +31,6 @@ Projected project(const Field& field, const Vec3& x, const ProjectionOptions& op
 /// to grad f at the new position. Returns the largest residual of those that converged.
 double project_all(const Field& field, const ProjectionOptions& options, std::span<Vec3> position,
                    std::span<char> unprojected, std::span<Vec3> gradient);
-/// The same for the vertices `which`, each named once; the entries of all others stay as they are.
-double project_some(const Field& field, const ProjectionOptions& options, std::span<const int> which,
-                    std::span<Vec3> position, std::span<char> unprojected, std::span<Vec3> gradient);
 /// All, without the gradients.
 double project_all(const Field& field, const ProjectionOptions& options, std::span<Vec3> position,
                    std::span<char> unprojected);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/shared_loop.h"
+
 namespace kappaflow {
 
 MaterialTracers::MaterialTracers(std::span<const Vec3> position)
@@ -14,12 +16,15 @@ void MaterialTracers::step(FieldMotion& motion) {
   position_t0_ = position_;
   runge_kutta_.advance(motion, TimeIntegrator::rk4, position_,
                        [&](const Field& field, std::span<const Vec3> position) -> std::span<const Vec3> {
-                         parallel_for(position.size(), [&](std::size_t i) {
-                           const std::optional<Vec3> velocity =
-                               lost_[i] ? std::nullopt : field.material_velocity(position[i]);
-                           lost_[i] = !velocity;
-                           velocity_[i] = velocity.value_or(Vec3::Zero());
-                         });
+                         shared_for(
+                             position.size(),
+                             [&](std::size_t i) {
+                               const std::optional<Vec3> velocity =
+                                   lost_[i] ? std::nullopt : field.material_velocity(position[i]);
+                               lost_[i] = !velocity;
+                               velocity_[i] = velocity.value_or(Vec3::Zero());
+                             },
+                             kDefaultGrain, lost_, velocity_);
                          return velocity_;
                        });
   for (std::size_t i = 0; i < position_.size(); ++i)

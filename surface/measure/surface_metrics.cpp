@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/parallel.h"
+#include "core/shared_loop.h"
 #include "core/solid_distance.h"
 #include "surface/field/projection.h"
 #include "surface/mesh/isosurface.h"
@@ -23,18 +23,23 @@ void measure_distances(const Field& field, const TriangleMesh& isosurface, const
   const double sigma = field.length_scale();
   const SolidDistance to_mesh(TriangleSurface{mesh.position, mesh.triangles}),
       to_isosurface(TriangleSurface{isosurface.position, isosurface.triangles});
-  judgement.surface_without_mesh = parallel_max(isosurface.vertex_count(), 0.0, [&](std::size_t v) {
-    return std::abs(to_mesh.nearest(isosurface.position[v]).distance) / sigma;
-  });
+  judgement.surface_without_mesh = shared_max(
+      isosurface.vertex_count(), 0.0,
+      [&](std::size_t v) { return std::abs(to_mesh.nearest(isosurface.position[v]).distance) / sigma; },
+      kDefaultGrain);
   // The isosurface's chords are off f = 0, and a projection may miss the nearest point or fail.
-  judgement.mesh_without_surface = parallel_max(mesh.triangles.size(), 0.0, [&](std::size_t t) {
-    const auto& [a, b, c] = mesh.triangles[t];
-    const Vec3 centroid = (mesh.position[a] + mesh.position[b] + mesh.position[c]) / 3;
-    const Projected projected = project(field, centroid, {});
-    const double to_chords = std::abs(to_isosurface.nearest(centroid).distance);
-    return (projected.converged ? std::min(to_chords, (projected.position - centroid).norm()) : to_chords) /
-           sigma;
-  });
+  judgement.mesh_without_surface = shared_max(
+      mesh.triangles.size(), 0.0,
+      [&](std::size_t t) {
+        const auto& [a, b, c] = mesh.triangles[t];
+        const Vec3 centroid = (mesh.position[a] + mesh.position[b] + mesh.position[c]) / 3;
+        const Projected projected = project(field, centroid, {});
+        const double to_chords = std::abs(to_isosurface.nearest(centroid).distance);
+        return (projected.converged ? std::min(to_chords, (projected.position - centroid).norm())
+                                    : to_chords) /
+               sigma;
+      },
+      kDefaultGrain);
 }
 
 }  // namespace
@@ -57,8 +62,11 @@ double surface_residual(const Field& field, const TriangleMesh& mesh) {
 }
 
 std::size_t points_outside(const Field& field, std::span<const Vec3> points) {
-  return parallel_sum(points.size(), std::size_t{0},
-                      [&](std::size_t i) { return std::size_t{field.value_and_gradient(points[i]).f < 0}; });
+  std::vector<char> outside(points.size());
+  shared_for(
+      points.size(), [&](std::size_t i) { outside[i] = field.value_and_gradient(points[i]).f < 0; },
+      kDefaultGrain, outside);
+  return static_cast<std::size_t>(std::ranges::count(outside, 1));
 }
 
 SurfaceMetrics surface_metrics(const Field& field, const TriangleMesh& mesh, const SurfaceState& state,

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "core/connectivity.h"
-#include "core/parallel.h"
+#include "core/shared_loop.h"
 #include "surface/field/curvature.h"
 #include "surface/mesh/mesh_measures.h"
 #include "surface/motion/pointwise.h"
@@ -27,14 +27,17 @@ void fill_geometry(const Field& field, std::span<const Vec3> position, SurfaceSt
   state.normal.resize(position.size());
   state.gaussian_curvature.resize(position.size());
   state.mean_curvature.resize(position.size());
-  parallel_for(position.size(), [&](std::size_t v) {
-    const Jet jet = field.jet(position[v]);
-    const bool regular = has_gradient(jet);
-    state.normal[v] = regular ? Vec3(-jet.g.normalized()) : Vec3::Zero();
-    const CurvatureJet curvature = regular ? curvature_jet(jet) : CurvatureJet{};
-    state.gaussian_curvature[v] = curvature.K;
-    state.mean_curvature[v] = curvature.H;
-  });
+  shared_for(
+      position.size(),
+      [&](std::size_t v) {
+        const Jet jet = field.jet(position[v]);
+        const bool regular = has_gradient(jet);
+        state.normal[v] = regular ? Vec3(-jet.g.normalized()) : Vec3::Zero();
+        const CurvatureJet curvature = regular ? curvature_jet(jet) : CurvatureJet{};
+        state.gaussian_curvature[v] = curvature.K;
+        state.mean_curvature[v] = curvature.H;
+      },
+      kDefaultGrain, state.normal, state.gaussian_curvature, state.mean_curvature);
 }
 
 /// Material velocity and slip. A field that knows the velocity of its material nowhere leaves both empty;
@@ -43,13 +46,16 @@ void fill_material(const Field& field, std::span<const Vec3> position, SurfaceSt
   std::vector<char> known(position.size());
   state.material_velocity.resize(position.size());
   state.material_slip.resize(position.size());
-  parallel_for(position.size(), [&](std::size_t v) {
-    const std::optional<Vec3> material = field.material_velocity(position[v]);
-    known[v] = material.has_value();
-    state.material_velocity[v] = material.value_or(Vec3::Zero());
-    state.material_slip[v] =
-        known[v] ? tangential(state.motion.velocity[v] - *material, state.normal[v]).norm() : 0.0;
-  });
+  shared_for(
+      position.size(),
+      [&](std::size_t v) {
+        const std::optional<Vec3> material = field.material_velocity(position[v]);
+        known[v] = material.has_value();
+        state.material_velocity[v] = material.value_or(Vec3::Zero());
+        state.material_slip[v] =
+            known[v] ? tangential(state.motion.velocity[v] - *material, state.normal[v]).norm() : 0.0;
+      },
+      kDefaultGrain, known, state.material_velocity, state.material_slip);
   if (std::ranges::count(known, 1) > 0) return;
   state.material_velocity.clear();
   state.material_slip.clear();

@@ -13,9 +13,12 @@ namespace {
 /// Where the material carries f there is nothing to correct, and no jet to evaluate.
 void evaluate_carried(const Field& field, std::span<const Vec3> position, VelocitySpans result) {
   std::ranges::fill(result.confidence, 1);
-  parallel_for(position.size(), [&](std::size_t i) {
-    result.velocity[i] = field.material_velocity(position[i]).value_or(Vec3::Zero());
-  });
+  shared_for(
+      position.size(),
+      [&](std::size_t i) {
+        result.velocity[i] = field.material_velocity(position[i]).value_or(Vec3::Zero());
+      },
+      kDefaultGrain, result.velocity);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <span>
 
+#include "core/shared_loop.h"
 #include "surface/mesh/surface_samples.h"
 #include "surface/motion/affine_fit.h"
 
@@ -19,8 +20,9 @@ namespace kappaflow {
 /// affine all over stays what it is. Found by conjugate gradients, in an order that no thread changes. Local
 /// fits joined by a global smoothness: Bruhn, Weickert & Schnoerr 2005 do so for images. length_scale: of
 /// each patch [m], 0 where nothing was fitted; fastest: residuals below a thousandth of this speed count as
-/// none [m/s]. Changes velocity and gradient of the fits.
+/// none [m/s]; shares: of the patches, of which the information is known to the process that has them.
+/// Changes velocity and gradient of the fits.
 void agree(const SurfaceSamples& samples, std::span<const double> length_scale, double fastest,
-           std::span<AffineFit> fits);
+           std::span<AffineFit> fits, const ItemShares& shares = {});
 
 }  // namespace kappaflow

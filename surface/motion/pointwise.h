@@ -2,7 +2,7 @@
 // speed.
 #pragma once
 
-#include "core/parallel.h"
+#include "core/shared_loop.h"
 #include "surface/motion/normal.h"
 #include "surface/motion/velocity.h"
 
@@ -30,14 +30,14 @@ inline Vec3 limited(const Vec3& v, double limit) {
 template <class Evaluate>
 void evaluate_each(const SurfacePoints& points, VelocitySpans result, const Evaluate& point_velocity) {
   constexpr std::size_t kPointsPerTask = 64;
-  parallel_for(
+  shared_for(
       points.position.size(),
       [&](std::size_t i) {
         const PointVelocity at_point = point_velocity(points.position[i]);
         result.velocity[i] = at_point.velocity;
         result.confidence[i] = at_point.confidence;
       },
-      kPointsPerTask);
+      kPointsPerTask, result.velocity, result.confidence);
 }
 
 /// Calls point_velocity(x, jet) -> PointVelocity at every point where the field has a gradient; zero

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "core/shared_loop.h"
 #include "surface/mesh/surface_samples.h"
 #include "surface/motion/affine_fit.h"
 #include "surface/motion/normal.h"
@@ -34,30 +35,35 @@ struct LocalMotion {
   std::vector<MotionRows> rows;
 };
 
-LocalMotion local_motion(const Field& field, std::span<const Vec3> position, const VelocityOptions& options) {
+/// Fills in what is known at point v, where the field has a gradient.
+void add_local_motion(const Field& field, const Vec3& x, const VelocityOptions& options, std::size_t v,
+                      LocalMotion& local) {
+  const Field& pattern = field.pattern();
+  StrainResponse strain;
+  Jet jet = pattern.jet(x, strain);
+  const Jet own = &pattern != &field ? field.first_order_jet(x) : jet;
+  if (!has_gradient(own)) return;
+  if (!has_gradient(jet)) jet = field.jet(x), strain = {};
+  local.normal[v] = own.g.normalized();
+  local.normal_velocity[v] = normal_velocity(own, options);
+  local.length_scale[v] = jet.length_scale;
+  local.fastest[v] = jet.fastest_in_reach;
+  local.rows[v] = motion_rows(jet, strain, normal_velocity(jet, options));
+}
+
+/// Of the points of this process; of the others' only length scales and speeds.
+LocalMotion local_motion(const Field& field, std::span<const Vec3> position, const VelocityOptions& options,
+                         const ItemShares& shares) {
   const std::size_t n = position.size();
   LocalMotion local{.normal = std::vector<Vec3>(n, Vec3::Zero()),
                     .normal_velocity = std::vector<Vec3>(n, Vec3::Zero()),
                     .length_scale = std::vector<double>(n, 0.0),
                     .fastest = std::vector<double>(n, 0.0),
                     .rows = std::vector<MotionRows>(n)};
-  const Field& pattern = field.pattern();
-  const bool has_pattern = &pattern != &field;
-  parallel_for(
-      n,
-      [&](std::size_t v) {
-        StrainResponse strain;
-        Jet jet = pattern.jet(position[v], strain);
-        const Jet own = has_pattern ? field.first_order_jet(position[v]) : jet;
-        if (!has_gradient(own)) return;
-        if (!has_gradient(jet)) jet = field.jet(position[v]), strain = {};
-        local.normal[v] = own.g.normalized();
-        local.normal_velocity[v] = normal_velocity(own, options);
-        local.length_scale[v] = jet.length_scale;
-        local.fastest[v] = jet.fastest_in_reach;
-        local.rows[v] = motion_rows(jet, strain, normal_velocity(jet, options));
-      },
-      kPointsPerTask);
+  shares.for_own(
+      n, [&](std::size_t v) { add_local_motion(field, position[v], options, v, local); }, kPointsPerTask);
+  shares.gather(std::span(local.length_scale));
+  shares.gather(std::span(local.fastest));
   return local;
 }
 
@@ -66,6 +72,7 @@ struct Patches {
   SurfaceSamples samples;
   std::vector<MotionEquations> equations;  // of a patch's points about its sample, weighted by area
   std::vector<double> fastest;             // the speed in reach of a patch [m/s]
+  ItemShares shares;                       // a patch is that of the process with the sample
 };
 
 MotionEquations patch_equations(const LocalMotion& local, const SurfacePoints& points, const Vec3& sample,
@@ -76,21 +83,40 @@ MotionEquations patch_equations(const LocalMotion& local, const SurfacePoints& p
   return sums.equations();
 }
 
-Patches patches_of(const LocalMotion& local, const SurfacePoints& points) {
+/// The patches of this process have all of their points from here on.
+void complete_patches(const Field& field, std::span<const Vec3> position, const VelocityOptions& options,
+                      const ItemShares& points, const Patches& patches, LocalMotion& local) {
+  if (points.group() == nullptr) return;
+  patches.shares.for_own(
+      patches.samples.vertex.size(),
+      [&](std::size_t s) {
+        for (const int v : patches.samples.patch(s))
+          if (!points.is_own(v)) add_local_motion(field, position[v], options, v, local);
+      },
+      kPointsPerTask);
+}
+
+Patches patches_of(const Field& field, const SurfacePoints& points, const VelocityOptions& options,
+                   const ItemShares& shares, LocalMotion& local) {
   std::vector<double> spacing(local.length_scale.size());
   std::ranges::transform(local.length_scale, spacing.begin(), [](double L) { return kSampleSpacing * L; });
-  Patches patches{surface_samples(points.position, points.rings, spacing), {}, {}};
+  Patches patches{surface_samples(points.position, points.rings, spacing), {}, {}, {}};
   const SurfaceSamples& samples = patches.samples;
-  patches.equations.resize(samples.vertex.size());
-  parallel_for(
-      patches.equations.size(),
+  patches.shares = shares.of(samples.vertex);
+  complete_patches(field, points.position, options, shares, patches, local);
+  const std::size_t n = samples.vertex.size();
+  patches.equations.resize(n);
+  patches.shares.for_own(
+      n,
       [&](std::size_t s) {
         patches.equations[s] = patch_equations(local, points, samples.position[s], samples.patch(s));
       },
       kPointsPerTask);
-  patches.fastest.assign(samples.vertex.size(), 0.0);
-  for (std::size_t s = 0; s < patches.fastest.size(); ++s)
+  patches.shares.gather(std::span(patches.equations));
+  patches.fastest.assign(n, 0.0);
+  parallel_for(n, [&](std::size_t s) {
     for (const int v : samples.patch(s)) patches.fastest[s] = std::max(patches.fastest[s], local.fastest[v]);
+  });
   return patches;
 }
 
@@ -135,18 +161,45 @@ AffineFit patch_fit(int s, const LocalMotion& local, const Patches& patches, Sam
   }
 }
 
+/// Tells of the others' patches all but AffineFit::information, which is long.
+void gather_motions(const ItemShares& shares, PatchMotions& motions) {
+  if (shares.group() == nullptr) return;
+  struct Told {
+    Vec3 velocity;
+    Mat3 gradient;
+    double determined, residual, radius, fastest;
+  };
+  std::vector<Told> told(motions.fit.size());
+  for (std::size_t s = 0; s < told.size(); ++s) {
+    const AffineFit& fit = motions.fit[s];
+    told[s] = {fit.velocity, fit.gradient, fit.determined, fit.residual, fit.radius, motions.fastest[s]};
+  }
+  shares.gather(std::span(told));
+  for (std::size_t s = 0; s < told.size(); ++s) {
+    AffineFit& fit = motions.fit[s];
+    fit.velocity = told[s].velocity;
+    fit.gradient = told[s].gradient;
+    fit.determined = told[s].determined;
+    fit.residual = told[s].residual;
+    fit.radius = told[s].radius;
+    motions.fastest[s] = told[s].fastest;
+  }
+}
+
 PatchMotions patch_motions(const LocalMotion& local, const Patches& patches, WalkOfThread& walk) {
   const std::size_t n = patches.equations.size();
   PatchMotions motions{std::vector<AffineFit>(n), std::vector<double>(n, 0.0)};
-  std::vector<double> length_scale(n);
-  parallel_for(
+  patches.shares.for_own(
       n,
       [&](std::size_t s) {
         motions.fit[s] = patch_fit(static_cast<int>(s), local, patches, walk.local(), motions.fastest[s]);
-        length_scale[s] = local.length_scale[patches.samples.vertex[s]];
       },
       kPointsPerTask);
-  if (n > 0) agree(patches.samples, length_scale, std::ranges::max(motions.fastest), motions.fit);
+  gather_motions(patches.shares, motions);
+  std::vector<double> length_scale(n);
+  parallel_for(n, [&](std::size_t s) { length_scale[s] = local.length_scale[patches.samples.vertex[s]]; });
+  if (n > 0)
+    agree(patches.samples, length_scale, std::ranges::max(motions.fastest), motions.fit, patches.shares);
   return motions;
 }
 
@@ -183,13 +236,14 @@ Blend blended(const Vec3& x, int v, const LocalMotion& local, const Patches& pat
 
 void evaluate_regional(const Field& field, const SurfacePoints& points, const VelocityOptions& options,
                        VelocitySpans result) {
-  const LocalMotion local = local_motion(field, points.position, options);
-  const Patches patches = patches_of(local, points);
+  const ItemShares shares = shares_in_slabs(points.position);
+  LocalMotion local = local_motion(field, points.position, options, shares);
+  const Patches patches = patches_of(field, points, options, shares, local);
   WalkOfThread walk;
   const PatchMotions motions = patch_motions(local, patches, walk);
   std::ranges::fill(result.velocity, Vec3::Zero());
   std::ranges::fill(result.confidence, 0);
-  parallel_for(
+  patches.shares.for_own(
       patches.equations.size(),
       [&](std::size_t s) {
         SampleWalk& walk_here = walk.local();
@@ -203,6 +257,9 @@ void evaluate_regional(const Field& field, const SurfacePoints& points, const Ve
         }
       },
       kBlendedPatchesPerTask);
+  const ItemShares by_patch = patches.shares.of(patches.samples.of_vertex);
+  by_patch.gather(result.velocity);
+  by_patch.gather(result.confidence);
 }
 
 }  // namespace kappaflow

@@ -8,7 +8,7 @@
 #include <cstdint>
 
 #include "core/nearest_on_triangle.h"
-#include "core/parallel.h"
+#include "core/shared_loop.h"
 #include "core/triangle_geometry.h"
 #include "core/whole_within.h"
 #include "surface/field/projection.h"
@@ -288,12 +288,15 @@ bool is_off_surface(const Field& field, std::span<const Vec3> position, std::spa
 
 std::vector<int> triangles_off_surface(const Field& field, const TriangleMesh& mesh, double limit) {
   std::vector<char> off(mesh.triangles.size());
-  parallel_for(off.size(), [&](std::size_t t) {
-    const Triangle& triangle = mesh.triangles[t];
-    off[t] = std::ranges::any_of(triangle, [&](int v) { return mesh.unprojected[v] != 0; }) ||
-             (!is_plainly_on_surface(mesh.position, mesh.gradient, triangle, limit) &&
-              is_off_surface(field, mesh.position, mesh.gradient, triangle, limit));
-  });
+  shared_for(
+      off.size(),
+      [&](std::size_t t) {
+        const Triangle& triangle = mesh.triangles[t];
+        off[t] = std::ranges::any_of(triangle, [&](int v) { return mesh.unprojected[v] != 0; }) ||
+                 (!is_plainly_on_surface(mesh.position, mesh.gradient, triangle, limit) &&
+                  is_off_surface(field, mesh.position, mesh.gradient, triangle, limit));
+      },
+      kDefaultGrain, off);
   std::vector<int> found;
   for (int t = 0; t < static_cast<int>(off.size()); ++t)
     if (off[t]) found.push_back(t);
@@ -309,8 +312,7 @@ std::vector<LatticeCell> cells_in_dispute(const Field& field, const TriangleMesh
   const auto near =
       triangles_near(lattice, mesh.position, mesh.triangles, slabs, kOverlap + limit / lattice.spacing);
   std::vector<std::vector<LatticeCell>> found(slabs.size());
-  parallel_for(
-      slabs.size(),
+  shared_lists(
       [&](std::size_t s) {
         SampledField part = lattice;
         restrict_to(read[s], part);
@@ -319,7 +321,7 @@ std::vector<LatticeCell> cells_in_dispute(const Field& field, const TriangleMesh
           if (has(slabs[s], cell)) found[s].push_back(cell);
         }
       },
-      1);
+      found);
   std::vector<LatticeCell> cells;
   for (const std::vector<LatticeCell>& of_slab : found)
     cells.insert(cells.end(), of_slab.begin(), of_slab.end());

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "core/connectivity.h"
-#include "core/parallel.h"
+#include "core/shared_loop.h"
 #include "core/triangle_geometry.h"
 
 namespace kappaflow {
@@ -90,21 +90,34 @@ void find_moving(const VertexRings& rings, const TriangleMesh& mesh, FairingStat
   for (int v = 0; v < static_cast<int>(mesh.vertex_count()); ++v)
     if (is_restless(v) || std::ranges::any_of(rings.of(v), is_restless)) state.moving.push_back(v);
   state.moved_position.resize(state.moving.size());
+  state.moved_gradient.resize(state.moving.size());
+  state.moved_unprojected.resize(state.moving.size());
 }
 
-void relax_vertices(const VertexRings& rings, double relaxation, TriangleMesh& mesh, FairingState& state) {
+void relax_vertices(const VertexRings& rings, double relaxation, const TriangleMesh& mesh,
+                    FairingState& state) {
+  shared_for(
+      state.moving.size(),
+      [&](std::size_t k) {
+        const int v = state.moving[k];
+        const bool lost = is_lost(rings, mesh, state, v);
+        const double share = relaxation * (lost ? 1 : mesh.mobility[v]);
+        state.moved_position[k] = mesh.position[v];
+        if (!(share > 0)) return;
+        const Vec3 move = lost ? centroid_move(rings.of(v), mesh.position, v)
+                               : spring_move(rings, state.rest_length, mesh.position, mesh.gradient[v], v);
+        state.moved_position[k] += share * move;
+      },
+      kDefaultGrain, state.moved_position);
+}
+
+void take_moved(const FairingState& state, TriangleMesh& mesh) {
   parallel_for(state.moving.size(), [&](std::size_t k) {
     const int v = state.moving[k];
-    const bool lost = is_lost(rings, mesh, state, v);
-    const double share = relaxation * (lost ? 1 : mesh.mobility[v]);
-    state.moved_position[k] = mesh.position[v];
-    if (!(share > 0)) return;
-    const Vec3 move = lost ? centroid_move(rings.of(v), mesh.position, v)
-                           : spring_move(rings, state.rest_length, mesh.position, mesh.gradient[v], v);
-    state.moved_position[k] += share * move;
+    mesh.position[v] = state.moved_position[k];
+    mesh.gradient[v] = state.moved_gradient[k];
+    mesh.unprojected[v] = state.moved_unprojected[k];
   });
-  for (std::size_t k = 0; k < state.moving.size(); ++k)
-    mesh.position[state.moving[k]] = state.moved_position[k];
 }
 
 /// Rest lengths go the share 1 - exp(-dt/time) of the way to the current lengths.
@@ -158,7 +171,9 @@ double fair(const Field& field, const VertexRings& rings, const FairingOptions& 
   if (options.iterations > 0) find_moving(rings, mesh, state);
   for (int iteration = 0; iteration < options.iterations; ++iteration) {
     relax_vertices(rings, options.relaxation, mesh, state);
-    residual = project_some(field, projection, state.moving, mesh.position, mesh.unprojected, mesh.gradient);
+    residual =
+        project_all(field, projection, state.moved_position, state.moved_unprojected, state.moved_gradient);
+    take_moved(state, mesh);
   }
   relax_rest_lengths(rings, mesh.position, 1 - std::exp(-dt / options.rest_length_time), state.rest_length);
   return residual;

@@ -18,8 +18,10 @@ struct FairingState {
   std::vector<int> third_corner;     ///< parallel to them: of the triangle that runs from vertex to neighbour
   std::vector<char> restless;        ///< whether a vertex has somewhere to go
   std::vector<int> moving;           ///< vertices that the step's iterations look at
-  std::vector<Vec3> moved_position;  ///< parallel to them: where an iteration takes them
-  std::vector<double> renewed;       ///< rest lengths in the making
+  std::vector<Vec3> moved_position;  ///< parallel to them: where an iteration takes them, what is there
+  std::vector<Vec3> moved_gradient;
+  std::vector<char> moved_unprojected;
+  std::vector<double> renewed;  ///< rest lengths in the making
 
   /// See core/saved_state.h; for the fairing_state() of the same mesh.
   template <class Archive>

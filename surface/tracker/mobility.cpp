@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "core/parallel.h"
+#include "core/shared_loop.h"
 
 namespace kappaflow {
 namespace {
@@ -35,10 +35,13 @@ bool is_outlier(const VertexRings& rings, const SurfaceVelocities& velocities, i
 
 void vertex_mobility(const VertexRings& rings, const SurfaceVelocities& velocities,
                      std::span<double> mobility) {
-  parallel_for(mobility.size(), [&](std::size_t v) {
-    const double c = velocities.confidence[v];
-    mobility[v] = is_outlier(rings, velocities, static_cast<int>(v)) ? 1 : 1 - c * c;
-  });
+  shared_for(
+      mobility.size(),
+      [&](std::size_t v) {
+        const double c = velocities.confidence[v];
+        mobility[v] = is_outlier(rings, velocities, static_cast<int>(v)) ? 1 : 1 - c * c;
+      },
+      kDefaultGrain, mobility);
 }
 
 }  // namespace kappaflow

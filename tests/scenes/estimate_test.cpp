@@ -201,6 +201,36 @@ TEST(Estimate, CountsWhatEmittersMakeFromTheirStartOn) {
   EXPECT_NEAR(estimate_of(scene, 1).particle_steps / estimate_of(scene, 1).steps, 1312 / 4.0 * 7 / 8, 60);
 }
 
+// By hand: the longer of liquid/(ranks - S) and 3 - 0.6 * 2.5 (1 - 1/S).
+TEST(Estimate, AsManyRanksFollowTheSurfacesAsPay) {
+  SceneEstimate cost;
+  cost.tracker_seconds = 2.5;
+  const auto ranks_for = [&](double liquid, int ranks) {
+    cost.liquid_seconds = liquid;
+    cost.seconds = liquid + 3;
+    return ranks_for_surfaces(cost, ranks);
+  };
+  EXPECT_EQ(ranks_for(1, 1), 0);
+  EXPECT_EQ(ranks_for(1, 2), 1) << "3 instead of 3.5 s";
+  EXPECT_EQ(ranks_for(20, 2), 0) << "20 instead of 13 s";
+  EXPECT_EQ(ranks_for(20, 4), 1) << "6.7 s, with two 10";
+  EXPECT_EQ(ranks_for(1, 3), 2) << "2.25 instead of 3 s";
+  EXPECT_EQ(ranks_for(1, 100), 5) << "1.8, 1.75 with six";
+  cost.tracker_seconds = 0;
+  EXPECT_EQ(ranks_for(1, 3), 1) << "nothing is shared";
+}
+
+TEST(Estimate, EachRankThatFollowsSurfacesTakesMemory) {
+  const Scene scene = shipped("staircase");
+  const SceneEstimate cost = estimate_of(scene, 1);
+  const auto memory = [&](int here) {
+    return static_cast<double>(
+        memory_with_ranks(scene, cost, {.share = 0.5, .surface_ranks = 3, .surface_ranks_here = here}));
+  };
+  EXPECT_NEAR(memory(3) - memory(1), 2 * (memory(2) - memory(1)), 10);
+  EXPECT_GT(memory(2) - memory(1), 850.0 * static_cast<double>(cost.particles));
+}
+
 // The same column of something thicker, and of water that does not fall, stays whole.
 TEST(Estimate, ThinLiquidThatFallsIsTorn) {
   Scene scene = shipped("splash");

@@ -8,7 +8,7 @@
 
 #include "solver/fluid_particles.h"
 #include "tests/solver/shapes.h"
-#include "tests/solver/thread_ranks.h"
+#include "tests/thread_ranks.h"
 
 namespace kappaflow {
 namespace {

@@ -10,7 +10,7 @@
 #include <set>
 
 #include "solver/rigid_level.h"
-#include "tests/solver/thread_ranks.h"
+#include "tests/thread_ranks.h"
 
 namespace kappaflow {
 namespace {

@@ -220,11 +220,11 @@ TEST(Ranks, KeepTheirSharesAmongThemselves) {
   RankBoard board(3);
   ThreadRanks ranks(board, 1);
   EXPECT_EQ(ranks.share_of(0, 3), 3);
-  EXPECT_TRUE(ranks.others()->shares().empty());
+  EXPECT_TRUE(ranks.part(1)->shares().empty());
   ranks.set_shares({8, 4, 1});
   EXPECT_EQ(ranks.shares(), (std::vector<double>{1, 0.5, 0.125}));
   EXPECT_EQ(ranks.share_of(1, 2), 0.625);
-  EXPECT_EQ(ranks.others()->shares(), (std::vector<double>{1, 0.25}));
+  EXPECT_EQ(ranks.part(1)->shares(), (std::vector<double>{1, 0.25}));
 }
 
 // Single precision rounds by 6e-8.

@@ -87,7 +87,8 @@ void add_threads(CLI::App& command, int& threads) {
 void add_shares(CLI::App& command, std::vector<double>& shares) {
   command
       .add_option("--shares", shares,
-                  "On several ranks: how much of the liquid each has, relative to the others; benchmark says "
+                  "On several ranks: how much of the liquid, or of the surfaces, each has, relative to the "
+                  "others; benchmark says "
                   "what they should be (default: all the same)")
       ->delimiter(',')
       ->allow_extra_args(false)

@@ -8,11 +8,11 @@
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
-#include <exception>
 #include <functional>
 #include <memory>
 #include <numeric>
 #include <thread>
+#include <utility>
 
 #include "core/stopwatch.h"
 #include "solver/ranks.h"
@@ -64,7 +64,8 @@ class Timed {
 /// MPI takes no note of an error: its own handler ends all processes.
 class MpiRanks : public Ranks {
  public:
-  explicit MpiRanks(MPI_Comm all) : all_(all) {
+  explicit MpiRanks(MPI_Comm all, std::shared_ptr<RankTraffic> traffic = std::make_shared<RankTraffic>())
+      : all_(all), traffic_(std::move(traffic)) {
     MPI_Comm_rank(all_, &rank_);
     MPI_Comm_size(all_, &size_);
     MPI_Comm machine = MPI_COMM_NULL;
@@ -79,51 +80,57 @@ class MpiRanks : public Ranks {
   MpiRanks& operator=(const MpiRanks&) = delete;
   ~MpiRanks() override {
     if (all_ == MPI_COMM_WORLD)
-      MPI_Finalize();
-    else if (std::uncaught_exceptions() == 0)  // after an error the others may not come to it
-      MPI_Comm_free(&all_);
+      MPI_Finalize();  // which frees parts: after an error not all come to that at once
   }
 
   int rank() const override { return rank_; }
   int size() const override { return size_; }
   std::vector<int> on_this_machine() const override { return on_this_machine_; }
-  RankTraffic traffic() const override { return traffic_; }
+  RankTraffic traffic() const override { return *traffic_; }
 
   void gather(std::span<const std::byte> own, std::span<const std::size_t> sizes,
               std::span<std::byte> all) override {
-    if (all.size() > kPiece) return gather_long(own, sizes, all);
+    place_own(own, sizes, all);
+    gather_in_place(sizes, all);
+  }
+
+  void gather_in_place(std::span<const std::size_t> sizes, std::span<std::byte> all) override {
+    const std::vector<std::size_t> begins = begins_of(sizes);
+    const auto rank = static_cast<std::size_t>(rank_);
+    const std::span<std::byte> own = all.subspan(begins[rank], sizes[rank]);
+    if (all.size() > kPiece) return exchange_with_all(own, places_of_others(sizes, all));
     note(static_cast<std::size_t>(size_ - 1), own.size());
-    const Timed timed(traffic_.seconds);
-    const int count = static_cast<int>(own.size());
+    const Timed timed(traffic_->seconds);
     if (std::ranges::adjacent_find(sizes, std::not_equal_to()) == sizes.end()) {
-      MPI_Allgather(own.data(), count, MPI_BYTE, all.data(), count, MPI_BYTE, all_);
+      MPI_Allgather(MPI_IN_PLACE, 0, MPI_BYTE, all.data(), static_cast<int>(own.size()), MPI_BYTE, all_);
       return;
     }
-    const std::vector<int> counts = in_ints(sizes), begins = in_ints(begins_of(sizes));
-    MPI_Allgatherv(own.data(), count, MPI_BYTE, all.data(), counts.data(), begins.data(), MPI_BYTE, all_);
+    const std::vector<int> counts = in_ints(sizes), places = in_ints(begins);
+    MPI_Allgatherv(MPI_IN_PLACE, 0, MPI_BYTE, all.data(), counts.data(), places.data(), MPI_BYTE, all_);
   }
 
   void swap_counts(std::span<const std::uint64_t> sent, std::span<std::uint64_t> received) override {
     note(static_cast<std::size_t>(size_ - 1), sizeof(std::uint64_t));
-    const Timed timed(traffic_.seconds);
+    const Timed timed(traffic_->seconds);
     MPI_Alltoall(sent.data(), 1, MPI_UINT64_T, received.data(), 1, MPI_UINT64_T, all_);
   }
 
   void gather_to_first(std::span<const std::byte> own, std::span<const std::size_t> sizes,
                        std::span<std::byte> all) override {
     if (rank_ > 0) return exchange(std::array{to_send(own, 0)}, {});
-    exchange({}, places_of_others(own, sizes, all));
+    place_own(own, sizes, all);
+    exchange({}, places_of_others(sizes, all));
   }
 
-  using Ranks::exchange;
+  using WorkGroup::exchange;
   void exchange(std::span<const Parcel> sent, std::span<const Parcel> received,
                 const std::function<void()>& meanwhile) override {
     {
-      const Timed timed(traffic_.seconds);
+      const Timed timed(traffic_->seconds);
       begin_exchange(sent, received);
     }
     meanwhile();
-    const Timed timed(traffic_.seconds);
+    const Timed timed(traffic_->seconds);
     MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE);
   }
 
@@ -133,7 +140,7 @@ class MpiRanks : public Ranks {
   }
 
   void broadcast(std::span<std::byte> whole) override {
-    const Timed timed(traffic_.seconds);
+    const Timed timed(traffic_->seconds);
     in_pieces(whole, [&](std::byte* bytes, int count) {
       if (rank_ == 0) note(static_cast<std::size_t>(size_ - 1), static_cast<std::size_t>(count));
       MPI_Bcast(bytes, count, MPI_BYTE, 0, all_);
@@ -154,10 +161,10 @@ class MpiRanks : public Ranks {
     wait_asleep({&request, 1});
   }
 
-  std::unique_ptr<Ranks> without_first() override {
+  std::unique_ptr<Ranks> cut(int first) override {
     MPI_Comm part = MPI_COMM_NULL;
-    MPI_Comm_split(all_, rank_ == 0 ? MPI_UNDEFINED : 0, rank_, &part);
-    return part == MPI_COMM_NULL ? nullptr : std::make_unique<MpiRanks>(part);
+    MPI_Comm_split(all_, rank_ < first ? 0 : 1, rank_, &part);
+    return std::make_unique<MpiRanks>(part, traffic_);
   }
 
  private:
@@ -185,8 +192,8 @@ class MpiRanks : public Ranks {
   }
 
   void note(std::size_t messages, std::size_t bytes_each) {
-    traffic_.messages += messages;
-    traffic_.bytes += messages * bytes_each;
+    traffic_->messages += messages;
+    traffic_->bytes += messages * bytes_each;
   }
 
   /// Of what is only read.
@@ -194,34 +201,34 @@ class MpiRanks : public Ranks {
     return {rank, {const_cast<std::byte*>(bytes.data()), bytes.size()}};
   }
 
-  /// Where in `all` the other ranks' bytes come; this one's are put there.
-  std::vector<Parcel> places_of_others(std::span<const std::byte> own, std::span<const std::size_t> sizes,
-                                       std::span<std::byte> all) const {
+  /// Where in `all` the other ranks' bytes come.
+  std::vector<Parcel> places_of_others(std::span<const std::size_t> sizes, std::span<std::byte> all) const {
     const std::vector<std::size_t> begins = begins_of(sizes);
     std::vector<Parcel> places;
-    for (int r = 0; r < size_; ++r) {
-      const std::size_t k = static_cast<std::size_t>(r);
-      const std::span<std::byte> place = all.subspan(begins[k], sizes[k]);
-      if (r == rank_)
-        std::ranges::copy(own, place.begin());
-      else
-        places.push_back({r, place});
-    }
+    for (int r = 0; r < size_; ++r)
+      if (const auto k = static_cast<std::size_t>(r); r != rank_)
+        places.push_back({r, all.subspan(begins[k], sizes[k])});
     return places;
   }
 
-  void gather_long(std::span<const std::byte> own, std::span<const std::size_t> sizes,
-                   std::span<std::byte> all) {
+  /// Puts this rank's bytes where they belong in those of all.
+  void place_own(std::span<const std::byte> own, std::span<const std::size_t> sizes,
+                 std::span<std::byte> all) const {
+    const std::size_t begin = begins_of(sizes)[static_cast<std::size_t>(rank_)];
+    std::ranges::copy(own, all.subspan(begin).begin());
+  }
+
+  void exchange_with_all(std::span<const std::byte> own, std::span<const Parcel> received) {
     std::vector<Parcel> sent;
     for (int r = 0; r < size_; ++r)
       if (r != rank_) sent.push_back(to_send(own, r));
-    exchange(sent, places_of_others(own, sizes, all));
+    exchange(sent, received);
   }
 
   MPI_Comm all_;
   int rank_ = 0, size_ = 1;
   std::vector<int> on_this_machine_;
-  RankTraffic traffic_;
+  std::shared_ptr<RankTraffic> traffic_;  // of all that this process sends, in its parts too
   std::vector<MPI_Request> requests_;
 };
 

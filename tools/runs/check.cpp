@@ -168,9 +168,13 @@ std::string check_text(const PreparedScene& prepared, int threads) {
              duration_text(cost.seconds), threads, threads == 1 ? "" : "s");
 }
 
+bool has_room(const Scene& scene, std::size_t needed, std::size_t available) {
+  if (!scene.fluid.outflows.empty()) return true;  // the estimate does not know what they take
+  return needed <= available;
+}
+
 void require_memory(const Scene& scene, std::size_t needed, std::size_t available) {
-  if (!scene.fluid.outflows.empty()) return;  // the estimate does not know what they take
-  if (needed > available)
+  if (!has_room(scene, needed, available))
     throw InvalidInput(fmt::format(
         "{}: needs about {:.3g} GB of memory, there are {:.3g} GB; a larger "
         "[fluid] spacing needs less",

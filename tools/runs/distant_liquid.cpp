@@ -1,5 +1,5 @@
-// Two ranks talk here: 0, which has the surfaces, and 1, the first of those that share the liquid. After the
-// first news, of the start, 0 orders and 1 answers with news.
+// Two ranks talk here: the first of those with the surfaces, and the first of those that share the liquid.
+// After the first news, of the start, the one orders and the other answers with news.
 #include "tools/runs/distant_liquid.h"
 
 #include <algorithm>
@@ -7,11 +7,12 @@
 #include <cstdint>
 #include <exception>
 #include <optional>
-#include <sstream>
+#include <stdexcept>
 #include <utility>
 
 #include "core/errors.h"
 #include "core/state_bytes.h"
+#include "solver/broadcast_state.h"
 #include "tools/runs/near_liquid.h"
 
 namespace kappaflow {
@@ -51,7 +52,7 @@ void serialize(Archive& archive, LiquidRecord& record) {
 
 namespace {
 
-constexpr int kSurfaces = 0, kLiquid = 1;  // ranks
+constexpr int kSurfaces = 0;  // the first rank with them
 
 enum class Order : std::int64_t {
   write,    // the particles at t = 0
@@ -113,12 +114,6 @@ News failure_of(const Error& error) {
   news.failure = error.what();
   news.exit_code = error.exit_code();
   return news;
-}
-
-[[noreturn]] void throw_failure(const News& news) {
-  if (news.exit_code == InvalidInput("").exit_code()) throw InvalidInput(news.failure);
-  if (news.exit_code == IoError("").exit_code()) throw IoError(news.failure);
-  throw SolverFailure(news.failure);
 }
 
 /// The liquid's part of the conversation.
@@ -267,47 +262,78 @@ void follow_liquid(PreparedScene& prepared, Ranks& ranks) {
 
 }  // namespace
 
-DistantLiquid::DistantLiquid(const PreparedScene& prepared, Ranks& ranks, std::filesystem::path folder)
-    : Liquid(prepared.scene), prepared_(prepared), ranks_(ranks), folder_(std::move(folder)) {
-  ranks_.announce({RankTask::serve, tells_all() ? 1.0 : 0.0});
-  ranks_.others();
+RanksApart set_apart(Ranks& all, int surfaces, bool is_near) {
+  if (all.rank() == 0) all.announce({RankTask::serve});
+  broadcast_state(all, surfaces, is_near);
+  return {all, surfaces, is_near, all.part(surfaces)};
+}
+
+DistantLiquid::DistantLiquid(const PreparedScene& prepared, RanksApart ranks, std::filesystem::path folder)
+    : Liquid(prepared.scene), prepared_(prepared), ranks_(std::move(ranks)), folder_(std::move(folder)) {
   News news;
-  receive_values(ranks_, kLiquid, news);
-  ranks_.finish();
-  if (!news.failure.empty()) throw_failure(news);
+  read_state_bytes(hear(), news);
+  ranks_.all.finish();
+  if (surface_ranks() != nullptr) surface_ranks()->finish();
+  if (!news.failure.empty()) {
+    end_others();
+    throw_told(news.failure, news.exit_code);
+  }
   record_ = std::move(*news.record);
 }
 
 DistantLiquid::~DistantLiquid() {
+  if (!is_first()) return;
+  if (surface_ranks() != nullptr && surface_ranks()->busy()) ranks_.all.start();
+  if (ranks_.all.busy()) return;  // out of step with the others: the program ends them all
+  end_others();
   try {
-    send_values(ranks_, kLiquid, Order::end);
+    send_values(ranks_.all, teller(), Order::end);
   } catch (const std::exception&) {  // else the others would wait for ever
-    ranks_.abort(1);
+    ranks_.all.abort(1);
   }
 }
 
+void DistantLiquid::end_others() {
+  if (is_first() && surface_ranks() != nullptr) surface_ranks()->announce({RankTask::end});
+}
+
+/// What the liquid tells next, on all ranks with surfaces; the others sleep until it comes.
+std::string DistantLiquid::hear() {
+  Ranks* const others = surface_ranks();
+  if (!is_first() && others->next_order().task != RankTask::hear)
+    throw std::logic_error("ranks that follow surfaces are out of step");
+  std::string text = is_first() ? receive(ranks_.all, teller()) : std::string();
+  if (others == nullptr) return text;
+  if (is_first()) others->announce({RankTask::hear});
+  others->broadcast_values(text);
+  return text;
+}
+
 void DistantLiquid::begin() {
-  begun_ = true;
-  send_values(ranks_, kLiquid, restored_ ? Order::restore : Order::begin);
-  send_values(ranks_, kLiquid, folder_.string());
+  send_values(ranks_.all, teller(), restored_ ? Order::restore : Order::begin);
+  send_values(ranks_.all, teller(), folder_.string());
   if (!restored_) return;
-  send_values(ranks_, kLiquid, pace());
-  send(ranks_, kLiquid, std::move(saved_));
+  send_values(ranks_.all, teller(), pace());
+  send(ranks_.all, teller(), std::move(saved_));
   pace().follow();  // from here on the others keep it
 }
 
 LiquidStep DistantLiquid::step(double /*until*/, bool last) {
-  ranks_.start();
-  if (!begun_) begin();
-  send_values(ranks_, kLiquid, last ? Order::save : Order::go_on);
+  if (is_first()) {
+    ranks_.all.start();
+    if (!begun_) begin();
+    send_values(ranks_.all, teller(), last ? Order::save : Order::go_on);
+  }
+  begun_ = true;
   News news;
-  receive_values(ranks_, kLiquid, news);
+  read_state_bytes(hear(), news);
   std::string().swap(saved_);  // large
-  if (news.is_saved) saved_ = receive(ranks_, kLiquid);
-  ranks_.finish();
+  is_saved_ = news.is_saved;
+  if (is_first() && is_saved_) saved_ = receive(ranks_.all, teller());
+  ranks_.all.finish();
   if (!news.record) news.record.emplace().particles.particles = news.step.now;
   record_ = std::move(*news.record);
-  if (!news.failure.empty()) throw_failure(news);
+  if (!news.failure.empty()) throw_told(news.failure, news.exit_code);
   time_ = news.time;
   steps_ = news.steps;
   return std::move(news.step);
@@ -316,27 +342,31 @@ LiquidStep DistantLiquid::step(double /*until*/, bool last) {
 /// After the start the others have written them before they told of the frame.
 void DistantLiquid::write_particles(const std::filesystem::path& folder, int /*frame*/) {
   if (tells_all() || begun_) return;
-  ranks_.start();
-  send_values(ranks_, kLiquid, Order::write);
-  send_values(ranks_, kLiquid, std::filesystem::absolute(folder).string());
+  ranks_.all.start();
+  send_values(ranks_.all, teller(), Order::write);
+  send_values(ranks_.all, teller(), std::filesystem::absolute(folder).string());
   News news;
-  receive_values(ranks_, kLiquid, news);
-  ranks_.finish();
-  if (!news.failure.empty()) throw_failure(news);
+  receive_values(ranks_.all, teller(), news);
+  ranks_.all.finish();
+  if (!news.failure.empty()) throw_told(news.failure, news.exit_code);
 }
 
 void DistantLiquid::write_state(StateWriter& archive) {
   constexpr std::size_t kOrderOfBytes = 1;  // that an archive begins with
   if (!begun_ && saved_.empty()) {          // at the start
-    ranks_.start();
-    send_values(ranks_, kLiquid, Order::save);
-    saved_ = receive(ranks_, kLiquid);
-    ranks_.finish();
+    ranks_.all.start();
+    send_values(ranks_.all, teller(), Order::save);
+    saved_ = receive(ranks_.all, teller());
+    ranks_.all.finish();
   }
   archive(cereal::binary_data(saved_.data() + kOrderOfBytes, saved_.size() - kOrderOfBytes));
 }
 
 void DistantLiquid::read_state(StateReader& archive) {
+  if (!is_first()) {
+    archive(time_, steps_);
+    return;
+  }
   SavedFluid saved = FluidSolver::take_saved(archive, prepared_.scene.fluid, prepared_.bodies);
   time_ = saved.time;
   steps_ = saved.steps;
@@ -345,11 +375,10 @@ void DistantLiquid::read_state(StateReader& archive) {
   restored_ = true;
 }
 
-void serve_liquid(PreparedScene prepared, Ranks& ranks, const RankOrder& order) {
-  const std::unique_ptr<Ranks> part = ranks.others();
-  Ranks* const shared = part->size() > 1 ? part.get() : nullptr;
-  if (part->rank() == 0) {
-    LiquidServer(prepared.scene, ranks).serve(prepared, shared, order.value != 0);
+void serve_liquid(PreparedScene prepared, RanksApart ranks) {
+  Ranks* const shared = ranks.part->size() > 1 ? ranks.part.get() : nullptr;
+  if (ranks.part->rank() == 0) {
+    LiquidServer(prepared.scene, ranks.all).serve(prepared, shared, !ranks.is_near);
     if (shared != nullptr) shared->announce({RankTask::end});
   } else if (shared->next_order().task == RankTask::make) {
     follow_liquid(prepared, *shared);

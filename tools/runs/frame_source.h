@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "solver/rigid_body.h"
 #include "surface/field/particle_motion.h"
 #include "surface/measure/material_tracers.h"
+#include "surface/measure/surface_metrics.h"
 #include "surface/tracker/surface_group.h"
 #include "tools/io/particle_frame.h"
 #include "tools/runs/metrics.h"
@@ -30,6 +32,18 @@ struct FrameReport {
   std::vector<TrackerStep> steps;  ///< of each surface
   double liquid_seconds = 0;       ///< wall time
   double tracer_seconds = 0;       ///< likewise
+};
+
+/// What the field of a frame says.
+struct FieldMeasures {
+  std::size_t particles_outside = 0;
+  std::optional<FreshIsosurface> isosurface;  ///< where the frame's surfaces are judged
+};
+
+/// What it says of a surface.
+struct SurfaceMeasures {
+  SurfaceState state;
+  std::optional<SurfaceJudgement> judgement;
 };
 
 /// A simulation, or the files of another program. Frame 0 is there from the start.
@@ -69,6 +83,9 @@ class FrameSource {
 
   /// Of the frame that is reached; once a frame.
   virtual FrameReport take_report(int frame) = 0;
+  /// particles: of its report.
+  virtual FieldMeasures measure_field(bool is_judged, std::span<const Vec3> particles);
+  virtual SurfaceMeasures measure_surface(std::size_t surface, const FieldMeasures& field);
 
   /// Where FrameReport has pieces: sees to it that those of the frame that is reached are in the run's
   /// folder.

@@ -80,14 +80,11 @@ void FrameWriter::write(int frame, FrameSource& source, RunSummary& summary) {
   FrameReport report = source.take_report(frame);
   if (rest_pair_) rest_pair_->update(source.surfaces(), frame);
   FrameMetrics& metrics = report.metrics;
-  std::optional<FreshIsosurface> isosurface;
-  if (is_judged(frame)) {
-    isosurface = fresh_isosurface(surfaces_.field(), surfaces_.length_scale());
-    metrics.isosurface = isosurface->metrics;
-  }
+  const FieldMeasures measures = source.measure_field(is_judged(frame), report.particles.particles.position);
+  metrics.particles_outside = measures.particles_outside;
+  if (measures.isosurface) metrics.isosurface = measures.isosurface->metrics;
   write_walls(report);
   if (const ParticleFieldOptions* field = source.particle_field()) {
-    metrics.particles_outside = points_outside(surfaces_.field(), report.particles.particles.position);
     if (report.pieces > 0) source.write_particles(folder_.place(), frame);
     write_particles(report, *field);
   }
@@ -99,9 +96,9 @@ void FrameWriter::write(int frame, FrameSource& source, RunSummary& summary) {
   for (std::size_t m = 0; m < methods_.size(); ++m) {
     const Stopwatch surface_watch;
     const std::string& method = methods_[m];
-    MetricsRow row{metrics, method, write_surface(metrics, m, report.steps[m])};
-    if (isosurface)
-      row.surface.judgement = judge_surface(surfaces_.field(), isosurface->mesh, surfaces_.mesh(m));
+    const SurfaceMeasures measured = source.measure_surface(m, measures);
+    MetricsRow row{metrics, method, write_surface(metrics, m, measured.state, report.steps[m])};
+    row.surface.judgement = measured.judgement;
     const PhaseSeconds seconds =
         phase_seconds(report.steps[m], report.liquid_seconds, shared_seconds + surface_watch.seconds());
     rows.metrics += metrics_row(row);
@@ -140,10 +137,9 @@ bool FrameWriter::is_judged(int frame) const {
   return output_.metrics_interval > 0 && (frame % output_.metrics_interval == 0 || frame == last_);
 }
 
-SurfaceMetrics FrameWriter::write_surface(const FrameMetrics& frame, std::size_t m,
+SurfaceMetrics FrameWriter::write_surface(const FrameMetrics& frame, std::size_t m, const SurfaceState& state,
                                           const TrackerStep& since_frame) {
   const TriangleMesh& mesh = surfaces_.mesh(m);
-  const SurfaceState state = surfaces_.state(m);
   write_mesh(frame, m, state);
   SurfaceMetrics metrics = surface_metrics(surfaces_.field(), mesh, state, output_.report_axis);
   metrics.residual_max = std::max(metrics.residual_max, since_frame.residual_max);

@@ -51,7 +51,8 @@ class FrameWriter {
 
   void write_walls(const FrameReport& report);
   void write_particles(const FrameReport& report, const ParticleFieldOptions& field);
-  SurfaceMetrics write_surface(const FrameMetrics& frame, std::size_t m, const TrackerStep& since_frame);
+  SurfaceMetrics write_surface(const FrameMetrics& frame, std::size_t m, const SurfaceState& state,
+                               const TrackerStep& since_frame);
   bool is_judged(int frame) const;
   void measure_texture(int frame, std::size_t m, SurfaceMetrics& metrics);
   vtkSmartPointer<vtkPolyData> file_data(const FrameMetrics& frame, std::size_t m, const SurfaceState& state,

@@ -86,6 +86,10 @@ class Liquid {
   virtual LiquidStep step(double until, bool last) = 0;
   virtual bool can_be_saved() const = 0;
 
+  /// Those that follow the surfaces on it, where that are several, else nullptr: the same functions in all of
+  /// them, but for those that only the first one is asked for: record(), write_particles(), and the state.
+  virtual Ranks* surface_ranks() const { return nullptr; }
+
   /// See core/saved_state.h; for a liquid of the same scene.
   virtual void write_state(StateWriter& archive) = 0;
   virtual void read_state(StateReader& archive) = 0;

@@ -1,5 +1,5 @@
-// Liquid of which the rank with the surfaces is told the particles near them, while each of the others writes
-// its own to files: where it is too much for one machine.
+// Liquid of which the ranks with the surfaces are told the particles near them, while each rank that shares
+// it writes its own to files: where it is too much for one machine.
 #pragma once
 
 #include <filesystem>

@@ -59,39 +59,47 @@ bool near_alone(const SurfaceDescription& surface, const SceneEstimate& cost, co
   return !all && cost.particles + cost.emitted > options.many;
 }
 
-/// The first of several ranks has the surfaces and nothing of the liquid where that is foreseen to be
-/// quicker. For any number of threads the same.
-LiquidPlace place_of_liquid(const Scene& scene, const SceneEstimate& cost, const RunOptions& options) {
-  if (options.ranks == nullptr) return {};
+/// surfaces: how many ranks follow them and have none of the liquid. For any number of threads the same.
+LiquidPlace place_of_liquid(const Scene& scene, const SceneEstimate& cost, const RunOptions& options,
+                            int surfaces) {
   const Ranks& all = *options.ranks;
-  const double ranks = all.size(), liquid = cost.liquid_seconds, surfaces = cost.seconds - liquid;
-  const bool is_apart = std::max(liquid / (ranks - 1), surfaces) < liquid / ranks + surfaces;
-  const int first = is_apart ? 1 : 0;  // that has liquid
+  LiquidPlace place{.surface_ranks = surfaces, .tellers = 0};
   double here = 0;
-  int tellers = 0;
   for (const int rank : all.on_this_machine()) {
-    if (rank >= first) here += all.share_of(rank, 1);
-    tellers += rank <= 1 ? 1 : 0;
+    if (rank >= surfaces) here += all.share_of(rank, 1);
+    if (rank < surfaces) ++place.surface_ranks_here;
+    if (rank == 0 || rank == surfaces) ++place.tellers;
   }
-  return {here / all.share_of(first, all.size() - first), is_apart,
-          is_apart && near_alone(scene.surface, cost, options), tellers};
+  place.share = here / all.share_of(surfaces, all.size() - surfaces);
+  place.is_near = surfaces > 0 && near_alone(scene.surface, cost, options);
+  return place;
 }
 
-/// Throws InvalidInput where this machine has too little memory for it.
+/// With as many ranks for the surfaces as is quickest, or fewer where this machine has too little memory for
+/// that. Throws InvalidInput where it has too little for one.
 LiquidPlace place_with_room(const PreparedScene& prepared, const RunOptions& options) {
   const Scene& scene = prepared.scene;
   const SceneEstimate cost = estimate(prepared, 1);
-  const LiquidPlace place = place_of_liquid(scene, cost, options);
-  require_memory(scene, memory_with_ranks(scene, cost, place), machine_memory());
+  LiquidPlace place;
+  std::size_t needed = cost.memory_bytes;
+  if (options.ranks != nullptr)
+    for (int surfaces = options.surface_ranks.value_or(ranks_for_surfaces(cost, options.ranks->size()));;
+         --surfaces) {
+      place = place_of_liquid(scene, cost, options, surfaces);
+      needed = memory_with_ranks(scene, cost, place);
+      if (surfaces <= 1 || has_room(scene, needed, machine_memory())) break;
+    }
+  require_memory(scene, needed, machine_memory());
   return place;
 }
 
 /// folder: of the run.
 std::unique_ptr<Liquid> liquid_of(PreparedScene& prepared, const LiquidPlace& place, Ranks* ranks,
                                   const fs::path& folder) {
-  if (!place.is_apart) return own_liquid(prepared, ranks);
+  if (place.surface_ranks == 0) return own_liquid(prepared, ranks);
   prepared.start = {};
-  return std::make_unique<DistantLiquid>(prepared, *ranks, place.is_near ? fs::absolute(folder) : fs::path());
+  return std::make_unique<DistantLiquid>(prepared, set_apart(*ranks, place.surface_ranks, place.is_near),
+                                         fs::absolute(folder));
 }
 
 /// Makes the first mesh; until it is there nothing is to be saved, and a signal ends the program at once.
@@ -101,6 +109,16 @@ SceneFrames first_frame(PreparedScene& prepared, const LiquidPlace& place, const
   StatusLine status(!options.quiet);
   status.show("making the first mesh");
   return {prepared, liquid_of(prepared, place, options.ranks, folder)};
+}
+
+/// On the ranks above the first one that have the surfaces.
+void follow_surfaces(const PreparedScene& prepared, RanksApart ranks) {
+  const std::shared_ptr<Ranks> part = ranks.part;
+  try {
+    SceneFrames(prepared, std::make_unique<DistantLiquid>(prepared, std::move(ranks))).follow();
+  } catch (const Error&) {  // where the first one has come to the same, it says so, and ends this
+    if (part->ended() || part->next_order().task != RankTask::end) throw;
+  }
 }
 
 RunSummary begin(const RunOptions& options) {
@@ -189,8 +207,14 @@ void follow_run(const RunOptions& options) {
   const RankOrder order = ranks.next_order();
   if (order.task == RankTask::make) make_fluid(prepared, &ranks).follow();
   if (order.task != RankTask::serve) return;
-  if (ranks.rank() == 1) add_particles(prepared);  // the first of those that share the liquid
-  serve_liquid(std::move(prepared), ranks, order);
+  RanksApart apart = set_apart(ranks);
+  if (apart.has_surfaces()) {
+    follow_surfaces(prepared, std::move(apart));
+  } else {
+    if (ranks.rank() == apart.surface_ranks)
+      add_particles(prepared);  // the first of those that share the liquid
+    serve_liquid(std::move(prepared), std::move(apart));
+  }
   ranks.next_order();  // the end
 }
 

@@ -28,6 +28,7 @@ struct RunOptions {
   std::vector<std::string> command;          ///< the command line, for run.json
   Ranks* ranks = nullptr;                    ///< that share the liquid, this being one of them
   std::size_t many = ParticleChoice::kMany;  ///< of more particles surfaces apart are told of those near them
+  std::optional<int> surface_ranks;          ///< for tests: that follow surfaces; else ranks_for_surfaces()
 
   /// See core/saved_state.h: what a resumed run takes over.
   template <class Archive>
@@ -47,7 +48,7 @@ struct RunOptions {
 /// particles are written for inspection.
 RunSummary run_scene(const RunOptions& options);
 
-/// What the ranks above 0 do: their part of the liquid, until the first one is through.
+/// What the ranks above 0 do: their part of the liquid or of the surfaces, until the first one is through.
 void follow_run(const RunOptions& options);
 
 /// The same, saying what became of it. Returns the exit code: 0, or 130 or 143 after a signal.

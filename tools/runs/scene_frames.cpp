@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <numeric>
+#include <stdexcept>
 #include <utility>
 
 #include "core/errors.h"
+#include "core/state_bytes.h"
 #include "tools/io/vtp_files.h"
 #include "tools/runs/liquid_metrics.h"
 #include "tools/runs/surface_temperature.h"
@@ -20,11 +22,81 @@ SceneFrames::SceneFrames(const PreparedScene& prepared, std::unique_ptr<Liquid> 
   if (scene_.fluid.heat) add_temperatures(surfaces());
 }
 
+void SceneFrames::announce(RankTask task, double value) {
+  if (surface_ranks() != nullptr) surface_ranks()->announce({task, value});
+}
+
 bool SceneFrames::advance(int frame, const Watch& watch) {
-  return simulation_.advance(time_of(frame), [&](const FluidStep& step) {
-    return watch(fmt::format("pressure {}, viscosity {}",
-                             step.density_iterations + step.divergence_iterations,
-                             step.viscosity_iterations));
+  announce(RankTask::go_to, frame);
+  return go_to(frame, watch);
+}
+
+FieldMeasures SceneFrames::measure_field(bool is_judged, std::span<const Vec3> particles) {
+  announce(RankTask::measure_field, is_judged ? 1 : 0);
+  return together(surface_ranks(), [&] { return FrameSource::measure_field(is_judged, particles); });
+}
+
+SurfaceMeasures SceneFrames::measure_surface(std::size_t surface, const FieldMeasures& field) {
+  announce(RankTask::measure_surface, static_cast<double>(surface));
+  return together(surface_ranks(), [&] { return FrameSource::measure_surface(surface, field); });
+}
+
+void SceneFrames::read_state(StateReader& archive) {
+  archive(simulation_);
+  if (surface_ranks() == nullptr) return;
+  announce(RankTask::restore_surfaces, 0);
+  std::string state = bytes_written([&](StateWriter& told) {
+    told(time(), steps());
+    simulation_.serialize_surfaces(told);
+  });
+  surface_ranks()->broadcast_values(state);
+  surface_ranks()->finish();
+}
+
+/// From what the first rank's read_state() tells.
+void SceneFrames::restore_followed() {
+  std::string state;
+  surface_ranks()->broadcast_values(state);
+  read_bytes(std::move(state), [&](StateReader& told) {
+    simulation_.liquid().read_state(told);
+    simulation_.serialize_surfaces(told);
+  });
+}
+
+void SceneFrames::follow() {
+  Ranks& ranks = *surface_ranks();
+  FieldMeasures measures;
+  for (RankOrder order = ranks.next_order(); order.task != RankTask::end; order = ranks.next_order())
+    switch (order.task) {
+      case RankTask::go_to:
+        measures = {};  // of the frame before
+        go_to(static_cast<int>(order.value), [](const std::string&) { return true; });
+        break;
+      case RankTask::measure_field:
+        measures = together(&ranks, [&] {
+          return FrameSource::measure_field(order.value != 0, surfaces().particles().position);
+        });
+        break;
+      case RankTask::measure_surface:
+        together(&ranks, [&] {
+          return FrameSource::measure_surface(static_cast<std::size_t>(order.value), measures);
+        });
+        break;
+      case RankTask::restore_surfaces:
+        restore_followed();
+        break;
+      default:
+        throw std::logic_error("ranks that follow surfaces are out of step");
+    }
+}
+
+bool SceneFrames::go_to(int frame, const Watch& watch) {
+  return together(surface_ranks(), [&] {
+    return simulation_.advance(time_of(frame), [&](const FluidStep& step) {
+      return watch(fmt::format("pressure {}, viscosity {}",
+                               step.density_iterations + step.divergence_iterations,
+                               step.viscosity_iterations));
+    });
   });
 }
 

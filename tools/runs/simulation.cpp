@@ -39,6 +39,17 @@ SurfaceOptions surface_options(const Scene& scene, const Liquid& liquid) {
   return options;
 }
 
+TrackedSurfaces first_surfaces(const Scene& scene, const Liquid& liquid) {
+  return together(liquid.surface_ranks(),
+                  [&] { return TrackedSurfaces(liquid.particles(), surface_options(scene, liquid)); });
+}
+
+/// What the first of the ranks says.
+bool of_first(Ranks* ranks, bool value) {
+  if (ranks != nullptr) ranks->broadcast(bytes_in(std::span(&value, 1)));
+  return value;
+}
+
 }  // namespace
 
 Simulation::Simulation(PreparedScene prepared) : Simulation(prepared, own_liquid(prepared)) {}
@@ -47,7 +58,7 @@ Simulation::Simulation(const PreparedScene& prepared, std::unique_ptr<Liquid> li
     : walls_(prepared.walls),
       bodies_(all_solids({}, prepared.bodies)),
       liquid_(std::move(liquid)),
-      surfaces_(liquid_->particles(), surface_options(prepared.scene, *liquid_)),
+      surfaces_(first_surfaces(prepared.scene, *liquid_)),
       tracers_(prepared.scene.output.metrics_interval > 0 ? std::span<const Vec3>(surfaces_.mesh().position)
                                                           : std::span<const Vec3>()),
       flows_in_(!prepared.scene.fluid.emitters.empty()) {
@@ -60,7 +71,7 @@ bool Simulation::advance(double time, const Watch& watch) {
     note(step);
     if (step.surfaces_follow)
       step_surfaces(is_reached(liquid_->time(), time) ? liquid_->particles() : std::move(step.now));
-    is_to_stop_ = !watch(step.last);
+    is_to_stop_ = of_first(liquid_->surface_ranks(), !watch(step.last));
     if (is_to_stop_ && liquid_->can_be_saved() && !is_reached(liquid_->time(), time)) return false;
   }
   surfaces_.settle(liquid_->sources(), flows_in_);

@@ -5,12 +5,32 @@
 #include <memory>
 #include <vector>
 
+#include "core/errors.h"
+#include "core/work_group.h"
 #include "scenes/prepared_scene.h"
+#include "solver/ranks.h"
 #include "surface/measure/material_tracers.h"
 #include "surface/tracker/tracked_surfaces.h"
 #include "tools/runs/liquid.h"
 
 namespace kappaflow {
+
+/// What ranks that follow surfaces do together, or this one alone where there are none. An Error all of them
+/// come to; after anything else they are out of step, and stay busy.
+template <class Work>
+auto together(Ranks* ranks, const Work& work) {
+  if (ranks == nullptr) return work();
+  ranks->start();
+  const SharedWork shared(ranks);
+  try {
+    auto result = work();
+    ranks->finish();
+    return result;
+  } catch (const Error&) {
+    ranks->finish();
+    throw;
+  }
+}
 
 /// What happened to liquid and surfaces since the last frame.
 struct SimulationReport {
@@ -68,6 +88,11 @@ class Simulation {
       liquid_->read_state(archive);
     else
       liquid_->write_state(archive);
+    serialize_surfaces(archive);
+  }
+  /// The same without the liquid.
+  template <class Archive>
+  void serialize_surfaces(Archive& archive) {
     archive(surfaces_, tracers_, liquid_->pace(), report_);
   }
 

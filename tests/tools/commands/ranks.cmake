@@ -110,6 +110,7 @@ file(COPY ${FOLDER}/stopped/ DESTINATION ${FOLDER}/alone)
 ranks(4 0 run --resume stopped --quiet --threads 1 --shares 2,4,2,3)
 ranks(4 0 run ${scene} --track material --quiet --threads 1 --shares 8,1,0.5,0.75 --out whole)
 expect_same(whole stopped)
+expect_liquid_ranks(whole 2)  # two follow the surfaces
 ranks(2 0 run --resume onward --quiet --threads 1)
 execute_process(COMMAND ${PROGRAM} run --resume alone --quiet WORKING_DIRECTORY ${FOLDER} COMMAND_ERROR_IS_FATAL ANY)
 

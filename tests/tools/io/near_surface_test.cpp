@@ -8,7 +8,7 @@
 #include <set>
 
 #include "surface/field/particle_weights.h"
-#include "tests/solver/thread_ranks.h"
+#include "tests/thread_ranks.h"
 #include "tests/tools/scratch.h"
 #include "tests/tools/sequence_files.h"
 #include "tools/io/liquid_depth.h"

@@ -4,7 +4,7 @@
 #include <sstream>
 
 #include "core/errors.h"
-#include "tests/solver/thread_ranks.h"
+#include "tests/thread_ranks.h"
 #include "tests/tools/everything_scene.h"
 #include "tests/tools/scratch.h"
 #include "tools/runs/simulation.h"
@@ -35,7 +35,7 @@ void with_ranks(int size, bool apart, const std::function<void(PreparedScene&, R
         make_fluid(prepared, &ranks).follow();
         return;
       }
-      serve_liquid(std::move(prepared), ranks, order);
+      serve_liquid(std::move(prepared), set_apart(ranks));
       ranks.next_order();
     });
   ThreadRanks ranks(board, 0);
@@ -102,7 +102,7 @@ Frames frames_of(Simulation& simulation) {
 
 std::unique_ptr<Simulation> simulation_of(PreparedScene& prepared, Ranks& ranks, bool apart) {
   if (!apart) return std::make_unique<Simulation>(prepared, own_liquid(prepared, &ranks));
-  return std::make_unique<Simulation>(prepared, std::make_unique<DistantLiquid>(prepared, ranks));
+  return std::make_unique<Simulation>(prepared, std::make_unique<DistantLiquid>(prepared, set_apart(ranks)));
 }
 
 Frames frames_on(int size, bool apart) {
@@ -195,10 +195,10 @@ TEST(DistantLiquid, AFailureIsToldWithTheParticles) {
   RankBoard board(2);
   std::jthread other([&] {
     ThreadRanks ranks(board, 1);
-    const RankOrder order = ranks.next_order();
+    ranks.next_order();
     PreparedScene prepared = everything();
     fail(prepared);
-    serve_liquid(std::move(prepared), ranks, order);
+    serve_liquid(std::move(prepared), set_apart(ranks));
   });
   ThreadRanks ranks(board, 0);
   PreparedScene prepared = everything();
@@ -219,15 +219,15 @@ TEST(DistantLiquid, WhatIsWrongAtTheStartIsToldOnce) {
   for (const int rank : {1, 2})
     others.emplace_back([&board, rank] {
       ThreadRanks ranks(board, rank);
-      const RankOrder order = ranks.next_order();
+      ranks.next_order();
       PreparedScene prepared = everything();
       prepared.start.position[0] = {0, -0.1, 0};  // in the wall
-      serve_liquid(std::move(prepared), ranks, order);
+      serve_liquid(std::move(prepared), set_apart(ranks));
     });
   ThreadRanks ranks(board, 0);
   const PreparedScene prepared = everything();
   try {
-    const DistantLiquid liquid(prepared, ranks);
+    const DistantLiquid liquid(prepared, set_apart(ranks));
     FAIL() << "nothing is wrong";
   } catch (const InvalidInput& error) {
     EXPECT_NE(std::string(error.what()).find("is inside a wall"), std::string::npos) << error.what();
